@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# One library a folder. psfm_add_library(NAME SOURCES ... PUBLIC ... PRIVATE ...) makes the static
+# library psfm_NAME with the alias psfm::NAME; psfm_add_test(NAME SOURCES ... LIBS ... LABELS ...)
+# makes one GoogleTest program and registers each of its tests with ctest.
+
+set(PSFM_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
+
+# Flags of our own code: never applied to anything else (INTERFACE target, linked PRIVATE).
+add_library(psfm_flags INTERFACE)
+target_compile_features(psfm_flags INTERFACE cxx_std_20)
+target_compile_options(psfm_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
+                                            -Wno-sign-conversion -fno-math-errno)
+if(PSFM_SANITIZE)
+  target_compile_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE} -fno-omit-frame-pointer -g)
+  target_link_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE})
+  if(PSFM_SANITIZE MATCHES "undefined")
+    # Debian's OpenCV and TBB are built without typeinfo that -fsanitize=vptr needs (PARTS.md).
+    target_compile_options(psfm_flags INTERFACE -fno-sanitize=vptr -fno-sanitize-recover=undefined)
+    target_link_options(psfm_flags INTERFACE -fno-sanitize=vptr)
+  endif()
+  # GCC 12's diagnostics of inlined library code are wrong under sanitizers.
+  target_compile_options(psfm_flags INTERFACE -Wno-maybe-uninitialized)
+endif()
+
+find_program(PSFM_CCACHE ccache)
+if(PSFM_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${PSFM_CCACHE}")
+  set(CMAKE_C_COMPILER_LAUNCHER "${PSFM_CCACHE}")
+endif()
+
+function(psfm_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(psfm_${name} STATIC ${ARG_SOURCES})
+  add_library(psfm::${name} ALIAS psfm_${name})
+  set_target_properties(psfm_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(psfm_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_link_libraries(psfm_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:psfm_flags>
+                                            ${ARG_PRIVATE})
+  target_compile_features(psfm_${name} PUBLIC cxx_std_20)
+endfunction()
+
+function(psfm_add_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_LIBS} psfm_flags GTest::gtest_main GTest::gmock)
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()

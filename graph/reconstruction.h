@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "graph/camera.h"
+#include "graph/ids.h"
+#include "graph/rigid3.h"
+
+namespace psfm {
+
+/// Feature `feature` of image `image`.
+struct Observation {
+    ImageId image{};
+    std::uint32_t feature = 0;
+    auto operator<=>(const Observation&) const = default;
+};
+
+/// A triangulated track.
+struct ScenePoint {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in the cluster's frame
+    float error_px = 0.F;                                ///< mean reprojection error
+    std::vector<Observation> track;  ///< ascending; at least two images, each at most once
+};
+
+struct RegisteredImage {
+    ImageId image{};
+    CameraId camera{};
+    Rigid3 cam_from_cluster;
+};
+
+/// Structure and motion of one cluster, in the cluster's own gauge.
+/// Invariants: images ascending by id; every camera of an image is in cameras; points observe
+/// registered images only; a feature belongs to at most one point.
+struct Reconstruction {
+    std::vector<RegisteredImage> images;
+    std::map<CameraId, Camera> cameras;  ///< as refined by this cluster
+    std::vector<ScenePoint> points;
+
+    /// Binary search; nullptr when the image is not registered.
+    const RegisteredImage* find(ImageId image) const;
+    bool empty() const { return images.empty(); }
+};
+
+}  // namespace psfm
