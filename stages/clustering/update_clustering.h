@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "graph/clustering_edit.h"
+#include "graph/ids.h"
+#include "graph/view_graph.h"
+#include "stages/clustering/clustering_options.h"
+#include "stages/clustering/clustering_state.h"
+
+namespace psfm {
+
+/// Brings the clusters up to date after the view graph changed (paper sec. "Incremental
+/// Clustering"): single linkage over the edges with d_ij < eta, so that the clusters equal
+/// batch_clusters(graph) after every call, in every order of arrival. A cluster's id follows the
+/// rules of ClusteringEdit; "largest" of several joining clusters means the one with most members
+/// in the joint cluster.
+///
+/// Only edges with an endpoint in `touched` get a new distance; joins relabel the smaller side; a
+/// lost link starts a search from its endpoints that ends as soon as they meet or all but one side
+/// is exhausted. Clusters that are not met cost nothing; those that change cost a copy of their
+/// member list, as the edit holds it. Differs from the paper, which clusters every cluster anew
+/// that has an edge to the new image.
+///
+/// @param state state of the former graph; empty at the start. Images that it does not know are
+/// new.
+/// @param touched endpoints of all edges that were added, dropped or reweighted since, in any
+/// order, repetitions allowed; new images need not be named REQUIRES: valid options, the same at
+/// every call; graph.size() >= state.size(); touched in the graph. Deterministic. Thread-safe for
+/// different states.
+ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
+                                 std::span<const ImageId> touched,
+                                 const ClusteringOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "graph/ids.h"
+#include "graph/sim3.h"
+
+namespace psfm {
+
+/// What became of a pair of clusters (not persistent).
+enum class ConstraintVerdict : std::uint8_t {
+    kAccepted,      ///< a similarity stands
+    kNoEdges,       ///< no edge has enough correspondences between the models' points
+    kNoSimilarity,  ///< no edge has enough inliers for any similarity
+    kInterleaved,   ///< every similarity found would interleave the clusters' cameras
+    kInconsistent,  ///< the edges that are left do not agree on one similarity
+};
+const char* describe(ConstraintVerdict verdict);
+
+/// The outcome of estimating the similarity between two clusters, at given revisions of their
+/// models.
+struct ClusterConstraint {
+    ClusterId a{};  ///< a < b
+    ClusterId b{};
+    std::uint32_t revision_a = 0;
+    std::uint32_t revision_b = 0;
+    std::uint32_t edges_given = 0;  ///< edges of the view graph between them
+    std::uint32_t edges_tried = 0;  ///< those with enough correspondences
+    std::uint32_t edges_accepted =
+        0;  ///< those that passed RANSAC and the neighbourhood similarity
+    ConstraintVerdict verdict = ConstraintVerdict::kNoEdges;
+
+    // Meaningful only when accepted:
+    Sim3 b_from_a;
+    std::uint32_t correspondences = 0;  ///< of the accepted edges
+    std::uint32_t inliers = 0;
+    Eigen::Vector3d anchor_in_a = Eigen::Vector3d::Zero();  ///< mean of the inlier points
+    double extent_in_a =
+        1.0;  ///< root mean square distance of the inlier points from the anchor; > 0
+    bool accepted() const { return verdict == ConstraintVerdict::kAccepted; }
+};
+
+}  // namespace psfm

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// How a similarity between two clusters is found and accepted.
+struct ClusterConstraintOptions {
+    /// A correspondence of 3D points agrees with a similarity when the other cluster's point,
+    /// brought over, projects this close to the own one, in both images of its edge [fraction of
+    /// the longer image side]. Distances in images need no scale of the scene and do not punish
+    /// points for the uncertainty of their depth. Raised: wrong similarities gather inliers.
+    /// Lowered: drift between clusters rejects true ones. Ours: 0.005 is 8 px in 1536.
+    double max_error = 0.005;
+    /// Inliers that one edge's similarity needs. Lowered: chance agreements of look-alikes. Ours.
+    std::uint32_t min_edge_inliers = 8;
+    /// Inliers that the final similarity of two clusters needs. Lowered: joins over thin evidence.
+    /// Ours.
+    std::uint32_t min_pair_inliers = 16;
+    /// Part of the correspondences that must be inliers, of an edge and finally. Ours.
+    double min_inlier_ratio = 0.3;
+    /// Neighbourhood similarity s below which an edge is an outlier (paper: lambda_s).
+    double min_neighborhood_similarity = 0.9;
+    /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
+    /// slower, linear. Ours: a hundred edges fix seven numbers many times over.
+    std::uint32_t max_edges_per_pair = 100;
+    /// Chance of having drawn at least one sample without outliers [0, 1). Raised: slower.
+    double confidence = 0.9999;
+    std::uint32_t max_ransac_iterations =
+        2000;  ///< at an inlier ratio of 0.2 a sample of 3 needs 1150
+};
+Result<void> validate(const ClusterConstraintOptions& options);
+
+/// How cluster poses are found from the constraints between pairs.
+struct PoseGraphOptions {
+    /// Residual at which the Huber loss turns linear. A residual of 1 is one radian, a factor e in
+    /// scale, or a shift by the extent of the points that the constraint rests on. Raised: bad
+    /// constraints pull more. Lowered: nearer to L1, slower. Ours.
+    double huber_scale = 0.02;
+    /// Constraints with a larger residual after optimisation are dropped, and the rest optimised
+    /// again; a large value never drops. Lowered: loops that close badly by drift lose a true
+    /// constraint. Ours, not in the paper.
+    double max_residual = 0.3;
+    std::uint32_t max_iterations = 100;  ///< of Levenberg-Marquardt
+};
+Result<void> validate(const PoseGraphOptions& options);
+
+struct MergeOptions {
+    ClusterConstraintOptions constraint;
+    PoseGraphOptions pose_graph;
+};
+/// @errors kInvalidArgument
+Result<void> validate(const MergeOptions& options);
+
+}  // namespace psfm

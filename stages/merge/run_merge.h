@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "graph/ids.h"
+#include "graph/reconstruction.h"
+#include "graph/result.h"
+#include "graph/scene.h"
+#include "graph/sim3.h"
+#include "graph/two_view_geometry.h"
+#include "stages/merge/cluster_constraint.h"
+#include "stages/merge/merge_options.h"
+
+namespace psfm {
+
+/// A cluster to be placed.
+struct MergeCluster {
+    ClusterId id{};
+    std::uint32_t revision = 0;                   ///< changes whenever the model does
+    std::shared_ptr<const Reconstruction> model;  ///< null or empty while unsolved
+};
+
+/// The view graph's edges between two clusters.
+struct ClusterPairEdges {
+    ClusterId a{};  ///< a < b
+    ClusterId b{};
+    std::vector<VerifiedPairPtr> edges;  ///< one image in each cluster; none null
+};
+
+struct MergeProblem {
+    std::vector<MergeCluster> clusters;    ///< ascending by id
+    std::vector<ClusterPairEdges> pairs;   ///< ascending by (a, b), each at most once
+    std::vector<ClusterConstraint> known;  ///< MergeResult::constraints of the version before
+    ScenePtr previous;                     ///< the published version before; null for the first
+};
+
+/// Where one cluster stands.
+struct ClusterPlacement {
+    ClusterId id{};
+    Sim3 world_from_cluster;
+    std::uint32_t effective_cluster = 0;  ///< see MergeResult
+};
+
+struct MergeResult {
+    std::vector<ClusterPlacement>
+        placements;  ///< one for each cluster of the problem, ascending by id
+    /// Number of effective clusters that hold a model. They are numbered from 0 by placed images,
+    /// most first, ties by smallest cluster id; clusters without a model follow, each one by
+    /// itself.
+    std::uint32_t effective_clusters = 0;
+    std::vector<ClusterConstraint>
+        constraints;            ///< ascending by (a, b): one for each pair with two models
+    std::uint32_t reused = 0;   ///< constraints taken from MergeProblem::known
+    std::uint32_t dropped = 0;  ///< accepted constraints that the pose graph contradicts
+};
+
+/// Puts the clusters' models into one frame (paper sec. "Cluster Pose Estimation"):
+/// a Sim(3) by RANSAC for every edge between two clusters, its neighbourhood similarity, a final
+/// Sim(3) for each pair from the surviving edges, a pose graph with Huber loss over all clusters.
+/// Each connected component of accepted constraints is one effective cluster.
+///
+/// The frame does not jump: a component with images that `previous` placed is moved as a whole by
+/// the similarity that brings most of them where they were. A new component has the gauge of its
+/// largest cluster, scaled so that the median distance of a camera to its nearest neighbour is 1.
+/// A known constraint is used again when both revisions and the number of edges are what they were.
+///
+/// @errors kInvalidArgument (order or ids violated, edge between images of one model, options)
+/// Deterministic: bitwise equal for equal inputs. Thread-safe.
+Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options);
+
+}  // namespace psfm
