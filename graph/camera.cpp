@@ -47,7 +47,9 @@ Eigen::Vector2d distortion_offset(const Camera& camera, const Eigen::Vector2d& x
 
 }  // namespace
 
-double Camera::fy() const { return has_two_focals() ? params[1] : params[0]; }
+double Camera::fy() const {
+    return has_two_focals() ? params[1] : params[0];
+}
 
 Eigen::Vector2d Camera::principal_point() const {
     return has_two_focals() ? Eigen::Vector2d(params[2], params[3])
@@ -61,9 +63,13 @@ Eigen::Matrix3d Camera::matrix() const {
     return k;
 }
 
-int parameter_count(CameraModel model) { return kModels.at(static_cast<std::size_t>(model)).parameters; }
+int parameter_count(CameraModel model) {
+    return kModels.at(static_cast<std::size_t>(model)).parameters;
+}
 
-std::string_view model_name(CameraModel model) { return kModels.at(static_cast<std::size_t>(model)).name; }
+std::string_view model_name(CameraModel model) {
+    return kModels.at(static_cast<std::size_t>(model)).name;
+}
 
 std::optional<CameraModel> model_from_name(std::string_view name) {
     const auto* found = std::ranges::find(kModels, name, &ModelInfo::name);
@@ -83,7 +89,8 @@ Camera make_camera(std::uint32_t width, std::uint32_t height, double focal_px, F
 
 Eigen::Vector2d pixel_from_normalized(const Camera& camera, const Eigen::Vector2d& normalized) {
     const Eigen::Vector2d distorted = normalized + distortion_offset(camera, normalized);
-    return camera.principal_point() + Eigen::Vector2d(camera.fx() * distorted.x(), camera.fy() * distorted.y());
+    return camera.principal_point() +
+           Eigen::Vector2d(camera.fx() * distorted.x(), camera.fy() * distorted.y());
 }
 
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_cam) {
@@ -94,7 +101,8 @@ std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector
 Eigen::Vector2d normalized_from_pixel(const Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d offset = pixel - camera.principal_point();
     const Eigen::Vector2d distorted(offset.x() / camera.fx(), offset.y() / camera.fy());
-    if (camera.model == CameraModel::kSimplePinhole || camera.model == CameraModel::kPinhole) return distorted;
+    if (camera.model == CameraModel::kSimplePinhole || camera.model == CameraModel::kPinhole)
+        return distorted;
     // Newton with a numerical Jacobian: distortion is smooth, and two to four steps reach 1e-12.
     Eigen::Vector2d x = distorted;
     for (int iteration = 0; iteration < 20; ++iteration) {
@@ -105,7 +113,8 @@ Eigen::Vector2d normalized_from_pixel(const Camera& camera, const Eigen::Vector2
         for (int axis = 0; axis < 2; ++axis) {
             const Eigen::Vector2d step = Eigen::Vector2d::Unit(axis) * kStep;
             jacobian.col(axis) +=
-                (distortion_offset(camera, x + step) - distortion_offset(camera, x - step)) / (2 * kStep);
+                (distortion_offset(camera, x + step) - distortion_offset(camera, x - step)) /
+                (2 * kStep);
         }
         if (std::abs(jacobian.determinant()) < 1e-6) break;
         x -= jacobian.inverse() * residual;
@@ -127,7 +136,8 @@ Result<void> validate(const Camera& camera) {
     for (const double focal : {camera.fx(), camera.fy()}) {
         if (focal < 0.1 * diagonal || focal > 100 * diagonal) {
             return Error{ErrorCode::kInvalidArgument,
-                         "focal length " + std::to_string(focal) + " px is outside 0.1 to 100 image diagonals"};
+                         "focal length " + std::to_string(focal) +
+                             " px is outside 0.1 to 100 image diagonals"};
         }
     }
     return {};

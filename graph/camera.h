@@ -24,10 +24,10 @@ enum class CameraModel : std::uint8_t {
 
 /// How much is known of the intrinsics (persistent).
 enum class FocalSource : std::uint8_t {
-    kUnknown = 0,  ///< a guess; to be estimated
-    kExif = 1,     ///< from EXIF or Lensfun: good to a few per cent, refined
-    kGiven = 2,    ///< given by the user (--cameras): refined unless --fix-intrinsics
-    kEstimated = 3 ///< estimated by an earlier reconstruction of the session
+    kUnknown = 0,   ///< a guess; to be estimated
+    kExif = 1,      ///< from EXIF or Lensfun: good to a few per cent, refined
+    kGiven = 2,     ///< given by the user (--cameras): refined unless --fix-intrinsics
+    kEstimated = 3  ///< estimated by an earlier reconstruction of the session
 };
 
 /// Intrinsics of one physical camera. Pixels; origin at the top-left corner of the top-left pixel,
@@ -44,7 +44,9 @@ struct Camera {
     double fy() const;
     double mean_focal() const { return 0.5 * (fx() + fy()); }
     Eigen::Vector2d principal_point() const;
-    bool has_two_focals() const { return model == CameraModel::kPinhole || model == CameraModel::kOpenCv; }
+    bool has_two_focals() const {
+        return model == CameraModel::kPinhole || model == CameraModel::kOpenCv;
+    }
     /// Intrinsic matrix without distortion.
     Eigen::Matrix3d matrix() const;
     bool operator==(const Camera&) const = default;
@@ -63,7 +65,8 @@ std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector
 /// Pixel of normalised (z = 1) coordinates, distortion applied.
 Eigen::Vector2d pixel_from_normalized(const Camera& camera, const Eigen::Vector2d& normalized);
 
-/// Normalised (z = 1) coordinates of a pixel, distortion removed by fixed-point and Newton iterations.
+/// Normalised (z = 1) coordinates of a pixel, distortion removed by fixed-point and Newton
+/// iterations.
 Eigen::Vector2d normalized_from_pixel(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// Checks the invariants: sizes, finite values, focal lengths between 0.1 and 100 image diagonals.

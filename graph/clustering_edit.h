@@ -24,10 +24,10 @@ struct MovedMembers {
     bool operator==(const MovedMembers&) const = default;
 };
 
-/// What one new image (or one batch) changed in the clustering. Clusters that are in neither list are
-/// untouched. A cluster keeps its id when the largest part of its former members stays together there
-/// (ties: the part with the smallest member); when several clusters join, the largest one's id survives
-/// (ties: smallest id).
+/// What one new image (or one batch) changed in the clustering. Clusters that are in neither list
+/// are untouched. A cluster keeps its id when the largest part of its former members stays together
+/// there (ties: the part with the smallest member); when several clusters join, the largest one's
+/// id survives (ties: smallest id).
 struct ClusteringEdit {
     std::vector<ClusterMembers> changed;  ///< new or different membership, ascending by id
     std::vector<ClusterId> removed;       ///< ids that ceased to exist, ascending

@@ -22,8 +22,8 @@ struct GpsPosition {
 
 /// What a photograph's file says of itself, before anything is matched.
 struct PhotoMetadata {
-    std::uint32_t width = 0;   ///< [px] as stored: EXIF orientation is *not* applied
-    std::uint32_t height = 0;  ///< [px]
+    std::uint32_t width = 0;         ///< [px] as stored: EXIF orientation is *not* applied
+    std::uint32_t height = 0;        ///< [px]
     std::uint64_t content_hash = 0;  ///< xxHash64 of the file's bytes
     std::string make;                ///< EXIF camera make and model, trimmed; empty when absent
     std::string model;
@@ -44,10 +44,10 @@ struct Image {
 
 /// A detected feature. Coordinates have the origin at the top-left corner of the top-left pixel.
 struct Keypoint {
-    float x = 0.F;      ///< [px]
-    float y = 0.F;      ///< [px]
-    float scale = 0.F;  ///< sigma of the blob [px]
-    float angle = 0.F;  ///< [rad]
+    float x = 0.F;                              ///< [px]
+    float y = 0.F;                              ///< [px]
+    float scale = 0.F;                          ///< sigma of the blob [px]
+    float angle = 0.F;                          ///< [rad]
     std::uint8_t red = 0, green = 0, blue = 0;  ///< colour of the photograph at the feature
     std::uint8_t padding = 0;
 
@@ -55,7 +55,8 @@ struct Keypoint {
     bool operator==(const Keypoint&) const = default;
 };
 
-/// Features of one image, strongest (largest scale) first. Keypoint i belongs to row i of the descriptors.
+/// Features of one image, strongest (largest scale) first. Keypoint i belongs to row i of the
+/// descriptors.
 using Keypoints = std::vector<Keypoint>;
 
 /// RootSIFT as bytes: row i holds round(512 * sqrt(SIFT_i / |SIFT|_1)), clamped to 255, 128 a row.

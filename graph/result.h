@@ -11,20 +11,20 @@ namespace psfm {
 
 /// Why something could not be done. The values are for programs, the message beside it for people.
 enum class ErrorCode {
-    kInvalidArgument,   ///< an option or input is outside its range
-    kNotFound,          ///< file, record or image that does not exist
-    kUnreadable,        ///< exists, but cannot be opened or decoded
-    kDuplicate,         ///< the same content is already there
-    kTooFewMatches,     ///< not enough correspondences for the model asked for
-    kDegenerate,        ///< the data do not determine a solution
-    kNoSeed,            ///< no image pair to start a reconstruction from
-    kInUse,             ///< another process holds the session
-    kDamaged,           ///< stored bytes fail their checksum or grammar
-    kVersion,           ///< written by a newer version
-    kNoSpace,           ///< disk full
-    kIo,                ///< any other failure of the operating system
-    kCancelled,         ///< stopped on request
-    kInternal,          ///< an exception from a library
+    kInvalidArgument,  ///< an option or input is outside its range
+    kNotFound,         ///< file, record or image that does not exist
+    kUnreadable,       ///< exists, but cannot be opened or decoded
+    kDuplicate,        ///< the same content is already there
+    kTooFewMatches,    ///< not enough correspondences for the model asked for
+    kDegenerate,       ///< the data do not determine a solution
+    kNoSeed,           ///< no image pair to start a reconstruction from
+    kInUse,            ///< another process holds the session
+    kDamaged,          ///< stored bytes fail their checksum or grammar
+    kVersion,          ///< written by a newer version
+    kNoSpace,          ///< disk full
+    kIo,               ///< any other failure of the operating system
+    kCancelled,        ///< stopped on request
+    kInternal,         ///< an exception from a library
 };
 
 struct Error {
@@ -36,16 +36,26 @@ struct Error {
 template <typename T>
 class [[nodiscard]] Result {
   public:
-    Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}  // NOLINT: implicit by design
+    Result(T value)
+        : content_(std::in_place_index<0>, std::move(value)) {}  // NOLINT: implicit by design
     Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT
 
     bool ok() const { return content_.index() == 0; }
     explicit operator bool() const { return ok(); }
 
     /// REQUIRES: ok()
-    const T& value() const& { assert(ok()); return std::get<0>(content_); }
-    T& value() & { assert(ok()); return std::get<0>(content_); }
-    T&& value() && { assert(ok()); return std::get<0>(std::move(content_)); }
+    const T& value() const& {
+        assert(ok());
+        return std::get<0>(content_);
+    }
+    T& value() & {
+        assert(ok());
+        return std::get<0>(content_);
+    }
+    T&& value() && {
+        assert(ok());
+        return std::get<0>(std::move(content_));
+    }
     const T& operator*() const& { return value(); }
     T& operator*() & { return value(); }
     T&& operator*() && { return std::move(*this).value(); }
@@ -53,7 +63,10 @@ class [[nodiscard]] Result {
     T* operator->() { return &value(); }
 
     /// REQUIRES: !ok()
-    const Error& error() const { assert(!ok()); return std::get<1>(content_); }
+    const Error& error() const {
+        assert(!ok());
+        return std::get<1>(content_);
+    }
 
   private:
     std::variant<T, Error> content_;
@@ -69,7 +82,10 @@ class [[nodiscard]] Result<void> {
     bool ok() const { return !failed_; }
     explicit operator bool() const { return ok(); }
     /// REQUIRES: !ok()
-    const Error& error() const { assert(!ok()); return error_; }
+    const Error& error() const {
+        assert(!ok());
+        return error_;
+    }
 
   private:
     bool failed_ = false;

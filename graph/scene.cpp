@@ -6,12 +6,18 @@ namespace psfm {
 
 const char* describe(WaitReason reason) {
     switch (reason) {
-        case WaitReason::kNone: return "placed";
-        case WaitReason::kTooFewMatches: return "too few matches with any other image";
-        case WaitReason::kClusterTooSmall: return "its cluster has too few images";
-        case WaitReason::kNoSeed: return "no pair of its cluster can start a reconstruction";
-        case WaitReason::kRegistrationFailed: return "too few consistent points to place it";
-        case WaitReason::kSolving: return "its cluster is being solved";
+        case WaitReason::kNone:
+            return "placed";
+        case WaitReason::kTooFewMatches:
+            return "too few matches with any other image";
+        case WaitReason::kClusterTooSmall:
+            return "its cluster has too few images";
+        case WaitReason::kNoSeed:
+            return "no pair of its cluster can start a reconstruction";
+        case WaitReason::kRegistrationFailed:
+            return "too few consistent points to place it";
+        case WaitReason::kSolving:
+            return "its cluster is being solved";
     }
     return "unknown";
 }

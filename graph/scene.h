@@ -27,17 +27,19 @@ const char* describe(WaitReason reason);
 /// One cluster of a scene version.
 struct SceneCluster {
     ClusterId id{};
-    std::uint32_t revision = 0;     ///< counts the published solutions of this cluster, from 1; 0: none yet
-    std::vector<ImageId> members;   ///< ascending
+    std::uint32_t revision =
+        0;  ///< counts the published solutions of this cluster, from 1; 0: none yet
+    std::vector<ImageId> members;                 ///< ascending
     std::shared_ptr<const Reconstruction> model;  ///< null or empty while unsolved
     Sim3 world_from_cluster;
-    std::uint32_t effective_cluster = 0;  ///< index into the version's effective clusters, largest first
+    std::uint32_t effective_cluster =
+        0;  ///< index into the version's effective clusters, largest first
 };
 
 /// An immutable version of everything that is published.
 struct Scene {
     std::uint64_t version = 0;
-    std::uint32_t image_count = 0;  ///< accepted images that this version knows of
+    std::uint32_t image_count = 0;         ///< accepted images that this version knows of
     std::uint32_t effective_clusters = 0;  ///< number of those that hold a model
     std::vector<std::shared_ptr<const SceneCluster>> clusters;  ///< ascending by id
 };

@@ -33,9 +33,10 @@ struct TwoViewGeometry {
     /// x2' * matrix * x1 = 0 (E in normalised coordinates, F in undistorted pixels),
     /// or x2 ~ matrix * x1 (H in undistorted pixels). Frobenius norm 1.
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-    /// |translation| = 1, or 0 for kPureRotation. For unknown focal lengths: as with the cameras' guess.
+    /// |translation| = 1, or 0 for kPureRotation. For unknown focal lengths: as with the cameras'
+    /// guess.
     Rigid3 cam2_from_cam1;
-    double median_angle_deg = 0.0;  ///< median triangulation angle of the inliers
+    double median_angle_deg = 0.0;      ///< median triangulation angle of the inliers
     std::vector<FeatureMatch> inliers;  ///< ascending; each feature at most once a side
 };
 

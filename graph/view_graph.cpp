@@ -16,7 +16,8 @@ void ViewGraph::add_edge(ImageId a, ImageId b, double weight, VerifiedPairPtr pa
     assert(a != b && weight > 0.0 && find(a, b) == nullptr);
     const auto insert = [&](ImageId from, ImageId to) {
         std::vector<Edge>& edges = adjacency_[index_of(from)];
-        edges.insert(std::ranges::lower_bound(edges, to, {}, &Edge::neighbor), Edge{to, weight, pair});
+        edges.insert(std::ranges::lower_bound(edges, to, {}, &Edge::neighbor),
+                     Edge{to, weight, pair});
     };
     insert(a, b);
     insert(b, a);

@@ -12,8 +12,8 @@
 
 namespace psfm {
 
-/// All verified pairs of a session (paper sec. "Progressive Viewgraph"). Nodes are images 0 … size-1;
-/// edges are only ever added. Not thread-safe: owned by one serial node.
+/// All verified pairs of a session (paper sec. "Progressive Viewgraph"). Nodes are images 0 …
+/// size-1; edges are only ever added. Not thread-safe: owned by one serial node.
 class ViewGraph {
   public:
     struct Edge {
