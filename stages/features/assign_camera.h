@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "graph/camera.h"
+#include "graph/ids.h"
+#include "graph/image.h"
+
+namespace psfm {
+
+/// Which photographs share one set of intrinsics (--camera-sharing).
+enum class CameraSharing {
+    kAuto,    ///< equal make, model, size and focal length in EXIF; otherwise each image its own
+    kImage,   ///< each image its own
+    kFolder,  ///< images of one size in one folder
+    kAll,     ///< images of one size
+};
+
+/// "auto", "image", "folder", "all"; nothing for any other text.
+std::optional<CameraSharing> camera_sharing_from_name(std::string_view name);
+std::string_view camera_sharing_name(CameraSharing sharing);
+
+/// Images with equal keys share a camera. One printable line, stable between versions: it may be
+/// stored. Images of different size never share one.
+/// @param name  the image's name, '/' between folders
+/// @param user  who sent the photograph (live sessions); users never share a camera by kAuto;
+/// empty: nobody Thread-safe.
+std::string camera_key(CameraSharing sharing, const PhotoMetadata& metadata, std::string_view name,
+                       std::string_view user = {});
+
+/// Focal length when nothing is known, over the longer side: 45 degrees of view, between a phone's
+/// main camera (about 0.75) and portrait lenses. Source: COLMAP 3.8, default_focal_length_factor.
+inline constexpr double kUnknownFocalFactor = 1.2;
+
+/// SIMPLE_RADIAL without distortion, centred principal point, focal length from EXIF (kExif) or a
+/// guess (kUnknown). REQUIRES: width, height > 0. Thread-safe.
+Camera initial_camera(const PhotoMetadata& metadata);
+
+/// The camera that a new image belongs to.
+struct CameraAssignment {
+    std::string key;
+    CameraId camera{};
+    std::optional<Camera>
+        added;  ///< the camera to add under this id; nothing when the key is known
+};
+
+/// @param known  the cameras so far by key; ids 0 … known.size() - 1
+/// @return a known camera, or a new one with id known.size()
+/// Thread-safe.
+CameraAssignment assign_camera(CameraSharing sharing, const PhotoMetadata& metadata,
+                               std::string_view name, const std::map<std::string, CameraId>& known,
+                               std::string_view user = {});
+
+}  // namespace psfm

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <span>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/features/photo_container.h"
+
+namespace psfm {
+
+struct HeifPhoto {
+    cv::Mat colour;                  ///< 8-bit BGR
+    std::vector<std::uint8_t> exif;  ///< TIFF structure, or empty
+};
+
+/// The primary picture of a HEIF file. Its rotation and mirroring are part of the picture (ISO
+/// 23008-12, 6.5.10: derived by every reader), so they are applied, and EXIF's orientation then
+/// counts for nothing.
+/// @param max_pixels checked before pixels are decoded
+/// @errors kUnreadable; the message is a reason and remedy without the file's name
+/// Thread-safe.
+Result<HeifPhoto> decode_heif(std::span<const std::uint8_t> bytes, double max_pixels);
+
+}  // namespace psfm

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <span>
+
+#include "graph/result.h"
+#include "stages/features/photo_container.h"
+
+namespace psfm {
+
+/// Pixels of any format but HEIF, through OpenCV: 8-bit BGR on the stored pixel grid, EXIF
+/// orientation not applied, transparency dropped. 10- to 16-bit images are scaled by their range:
+/// the smallest of 10, 12, 14 and 16 bits that holds the largest value, since many writers leave
+/// the upper bits of 16 unused.
+/// @errors kUnreadable; the message is a reason and remedy without the file's name
+/// Thread-safe.
+Result<cv::Mat> decode_pixels(std::span<const std::uint8_t> bytes, PhotoFormat format);
+
+/// 16-bit values to 8 bits as decode_pixels() does. REQUIRES: depth CV_16U.
+cv::Mat scale_to_8_bits(const cv::Mat& deep);
+
+}  // namespace psfm

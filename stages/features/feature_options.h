@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// What counts as a photograph at all.
+struct ReadPhotoOptions {
+    /// Shorter sides are refused [px]. Raised: thumbnails people meant are refused; lowered: images
+    /// that can hold no more than a handful of features take part. Ours: two SIFT descriptor
+    /// windows.
+    std::uint32_t min_side_px = 64;
+    /// Larger images are refused before they are decoded [megapixels]. Raised: one file can take
+    /// 4 bytes a pixel of memory; lowered: large panoramas are refused. Ours: above any camera's
+    /// single exposure in 2026.
+    double max_megapixels = 200.0;
+    /// Longer files are refused [MiB]. Raised: one file can fill the memory; lowered: large
+    /// uncompressed TIFFs are refused. Ours: 200 megapixels of 16-bit RGB fit.
+    std::uint32_t max_file_mib = 1200;
+};
+
+/// Detection and description of SIFT features (Lowe, IJCV 2004), with OpenCV's implementation.
+struct SiftOptions {
+    /// Larger photographs are reduced to this longer side before detection [px]; coordinates are
+    /// given in the full photograph. Raised: slower, more memory (about 140 bytes a pixel);
+    /// lowered: fewer and less exact features. Source: COLMAP 3.8, max_image_size.
+    std::uint32_t max_image_size = 3200;
+    /// The most features kept, largest scale first. Raised: matching time grows with its square;
+    /// lowered: weakly overlapping pairs lose their matches. Source: COLMAP 3.8, max_num_features.
+    std::uint32_t max_features = 8192;
+    /// Layers in each octave of the scale space. Raised: slower, more but less stable features.
+    /// Source: Lowe 2004, sec. 3.2.
+    int octave_layers = 3;
+    /// Least contrast of an extremum of the difference of Gaussians, times octave_layers, for grey
+    /// values in 0 … 1. Raised: fewer features in shadows and on walls; lowered: noise is detected.
+    /// Source: COLMAP 3.8, peak_threshold 0.02 / octave_resolution.
+    double contrast_threshold = 0.02;
+    /// Largest ratio of principal curvatures. Raised: more features along edges, badly localised.
+    /// Source: Lowe 2004, sec. 4.1, and COLMAP 3.8.
+    double edge_threshold = 10.0;
+    /// Blur of the first layer, in pixels of the doubled image. Source: Lowe 2004, sec. 3.3.
+    double sigma = 1.6;
+};
+
+/// Options of the features stage.
+struct FeatureOptions {
+    ReadPhotoOptions read;
+    SiftOptions sift;
+};
+
+/// @errors kInvalidArgument, naming the field and its range
+Result<void> validate(const ReadPhotoOptions& options);
+Result<void> validate(const SiftOptions& options);
+Result<void> validate(const FeatureOptions& options);
+
+}  // namespace psfm

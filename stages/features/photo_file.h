@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace psfm {
+
+/// A photograph that has not been read yet.
+struct PhotoFile {
+    std::filesystem::path path;  ///< what to open
+    std::string name;  ///< relative to the photograph folder, '/' between parts; what people see
+};
+
+}  // namespace psfm

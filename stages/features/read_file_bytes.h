@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/features/photo_file.h"
+
+namespace psfm {
+
+/// All bytes of a regular file. Never blocks on pipes or devices: only regular files are read.
+/// @errors kUnreadable: missing, a folder, no regular file, no permission, empty, above max_bytes,
+///         or the system cannot read it; the message names the photograph and the remedy
+/// Thread-safe.
+Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::uint64_t max_bytes);
+
+}  // namespace psfm

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/features/feature_options.h"
+#include "stages/features/photo_container.h"
+#include "stages/features/photo_file.h"
+
+namespace psfm {
+
+/// A decoded photograph. Invariant: colour and grey have the same size.
+struct DecodedPhoto {
+    cv::Mat colour;  ///< 8-bit BGR on the stored pixel grid (EXIF orientation not applied)
+    cv::Mat grey;    ///< 8-bit, ITU-R BT.601 luma
+    std::uint64_t content_hash = 0;  ///< xxHash64, seed 0, of the file's bytes
+    std::vector<std::uint8_t> exif;  ///< TIFF structure of the EXIF data, or empty
+    PhotoFormat format = PhotoFormat::kJpeg;
+};
+
+/// Reads, checks, hashes and decodes one photograph.
+/// @errors kUnreadable: cannot be read, is no image, is truncated or damaged, is smaller or larger
+/// than
+///         the options allow; one line that names the photograph and the remedy
+/// Thread-safe.
+Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/features/run_features.h"
+
+#include <exception>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "stages/features/extract_sift.h"
+#include "stages/features/focal_prior.h"
+#include "stages/features/read_exif.h"
+#include "stages/features/read_photo.h"
+#include "stages/features/text.h"
+
+namespace psfm {
+namespace {
+
+PhotoMetadata make_metadata(const DecodedPhoto& photo) {
+    const ExifTags tags = read_exif(photo.exif);
+    PhotoMetadata metadata;
+    metadata.width = static_cast<std::uint32_t>(photo.colour.cols);
+    metadata.height = static_cast<std::uint32_t>(photo.colour.rows);
+    metadata.content_hash = photo.content_hash;
+    metadata.make = tags.make;
+    metadata.model = tags.model;
+    metadata.focal_px = focal_prior_px(tags, metadata.width, metadata.height);
+    metadata.focal_mm = tags.focal_mm;
+    // HEIF pictures come upright; see decode_heif().
+    metadata.orientation = photo.format == PhotoFormat::kHeif ? std::uint8_t{1} : tags.orientation;
+    metadata.gps = tags.gps;
+    return metadata;
+}
+
+Result<ExtractedPhoto> extract(const PhotoFile& photo, const FeatureOptions& options) {
+    if (Result<void> valid = validate(options); !valid) return valid.error();
+    Result<DecodedPhoto> decoded = read_photo(photo, options.read);
+    if (!decoded) return decoded.error();
+    Result<SiftFeatures> features = extract_sift(decoded->grey, decoded->colour, options.sift);
+    if (!features) {
+        return Error{features.error().code,
+                     printable(photo.name) + ": " + features.error().message};
+    }
+    return ExtractedPhoto{make_metadata(*decoded), std::move(features->keypoints),
+                          std::move(features->descriptors)};
+}
+
+}  // namespace
+
+Result<ExtractedPhoto> run_features(const PhotoFile& photo, const FeatureOptions& options) {
+    try {
+        return extract(photo, options);
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorCode::kUnreadable,
+                     printable(photo.name) +
+                         ": not enough memory to read it; use fewer --threads, or reduce it"};
+    } catch (const std::exception& exception) {
+        return Error{ErrorCode::kInternal, printable(photo.name) + ": cannot be processed (" +
+                                               printable(exception.what()) +
+                                               "); export it as JPEG"};
+    } catch (...) {
+        return Error{ErrorCode::kInternal,
+                     printable(photo.name) + ": cannot be processed; export it as JPEG"};
+    }
+}
+
+}  // namespace psfm
