@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "stages/reconstruction/bundle_adjustment.h"
+
+namespace psfm {
+namespace {
+
+std::vector<std::uint32_t> observation_counts(const WorkingModel& model) {
+    std::vector<std::uint32_t> counts(model.image_count(), 0);
+    for (const WorkingModel::Point& point : model.points()) {
+        for (const WorkingModel::Feature& feature : point.track) ++counts[feature.image];
+    }
+    return counts;
+}
+
+}  // namespace
+
+AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics) {
+    AdjustmentScope scope;
+    std::set<CameraId> cameras;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (!model.registered(image)) continue;
+        scope.free_images.push_back(image);
+        cameras.insert(model.camera_id(image));
+    }
+    scope.point_images = scope.free_images;
+    if (free_intrinsics) scope.free_cameras.assign(cameras.begin(), cameras.end());
+    const std::vector<std::uint32_t> counts = observation_counts(model);
+    const auto best = std::ranges::max_element(scope.free_images, {}, [&](std::uint32_t i) { return counts[i]; });
+    if (best != scope.free_images.end()) scope.held_images = {*best};
+    return scope;
+}
+
+AdjustmentScope local_scope(const WorkingModel& model, std::uint32_t image, std::size_t neighbors,
+                            bool free_intrinsics) {
+    std::vector<std::uint32_t> shared(model.image_count(), 0);
+    for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
+        const std::uint32_t point = model.point_of({image, feature});
+        if (point == WorkingModel::kNoPoint) continue;
+        for (const WorkingModel::Feature& other : model.points()[point].track) ++shared[other.image];
+    }
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t other = 0; other < model.image_count(); ++other) {
+        if (other != image && shared[other] > 0) order.push_back(other);
+    }
+    std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t i) { return shared[i]; });
+
+    AdjustmentScope scope;
+    scope.point_images = {image};
+    scope.free_images = {image};
+    // Two neighbours at least stay where they are: they carry the gauge.
+    const std::size_t free_neighbors = std::min(neighbors, order.size() >= 2 ? order.size() - 2 : 0);
+    scope.free_images.insert(scope.free_images.end(), order.begin(),
+                             order.begin() + static_cast<std::ptrdiff_t>(free_neighbors));
+    std::ranges::sort(scope.free_images);
+    if (free_intrinsics) {
+        std::map<CameraId, bool> all_free;
+        for (std::uint32_t other = 0; other < model.image_count(); ++other) {
+            if (!model.registered(other)) continue;
+            auto [entry, added] = all_free.try_emplace(model.camera_id(other), true);
+            entry->second = entry->second && std::ranges::binary_search(scope.free_images, other);
+        }
+        for (const auto& [camera, is_free] : all_free) {
+            if (is_free) scope.free_cameras.push_back(camera);
+        }
+    }
+    return scope;
+}
+
+}  // namespace psfm

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+struct AdjustmentOptions {
+    /// Residuals beyond this many pixels lose weight (soft L1). Higher: outliers pull more; lower: slower
+    /// convergence from a rough start. COLMAP 3.8 uses 1 in local adjustments.
+    double loss_scale_px = 1.0;
+    /// Iterations at most. COLMAP 3.8: 50 for global, 25 for local adjustments.
+    int max_iterations = 50;
+    /// Stop when a step improves the cost by less than this fraction. Higher: faster, less accurate.
+    double function_tolerance = 1e-6;
+    /// Images above which the reduced camera system is solved sparse instead of dense. Ours, from timings of
+    /// both at 20 to 200 images on quad-streams.
+    std::uint32_t dense_up_to_images = 60;
+};
+
+Result<void> validate(const AdjustmentOptions& options);
+
+/// What may move. Poses of other images that see the points stay as they are.
+struct AdjustmentScope {
+    std::vector<std::uint32_t> free_images;  ///< ascending local indices
+    std::vector<CameraId> free_cameras;      ///< ascending; focal lengths and distortion, never the principal point
+    /// Points seen by these images move; all other points that free images see stay fixed.
+    std::vector<std::uint32_t> point_images;
+    /// Image whose pose is held, to fix the gauge; none when fixed images do that already.
+    std::vector<std::uint32_t> held_images;
+};
+
+/// Everything free; the gauge is fixed by holding the image with most observations.
+AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics);
+
+/// The image and the `neighbors` images that share most points with it; points of the image move.
+/// A camera is free when all its images are.
+AdjustmentScope local_scope(const WorkingModel& model, std::uint32_t image, std::size_t neighbors,
+                            bool free_intrinsics);
+
+struct AdjustmentReport {
+    std::size_t residuals = 0;
+    int iterations = 0;
+    double rms_before_px = 0.0;
+    double rms_after_px = 0.0;
+};
+
+/// Bundle adjustment with Ceres on one thread: bitwise repeatable for equal models (all parameter blocks
+/// lie in one array, see PARTS.md).
+/// @errors kDegenerate (nothing to adjust, or the solver found no usable step)
+Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope, const AdjustmentOptions& options);
+
+}  // namespace psfm

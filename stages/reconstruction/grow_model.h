@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/solve_options.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+/// Adds images to a model, one after the other, until no more can be placed (paper, "Extend"): the one
+/// that sees most points, spread best, is registered by P3P, its tracks are continued, created and split,
+/// its surroundings adjusted; all of the model is adjusted whenever it has grown by eta_grow.
+/// @param state  images at the last full adjustment: read and written
+/// @return counts; SolveStatistics::kind is left alone
+/// @errors kDegenerate (an adjustment of all of the model failed)
+Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem, const SolveOptions& options,
+                        SolveState& state, SolveStatistics& statistics);
+
+}  // namespace psfm

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/solve_options.h"
+
+namespace psfm {
+
+/// The sub-graph that one solve works on: intrinsics to start from, and the pairs that agree with the
+/// averaged rotations. The session's view graph is not touched: what is dropped here is looked at again
+/// in the next solve (paper sec. "Progressive Viewgraph").
+struct LocalGraph {
+    std::map<CameraId, Camera> cameras;  ///< as accepted, recycled, or calibrated from fundamental matrices
+    std::vector<VerifiedPairPtr> pairs;  ///< ascending; relative poses as with `cameras`
+    std::uint32_t removed_edges = 0;
+};
+
+/// Calibrates unknown focal lengths, averages rotations, drops outlier edges
+/// (paper sec. "Robust Rotation Averaging").
+/// @errors kInvalidArgument, kDegenerate
+Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOptions& options);
+
+}  // namespace psfm

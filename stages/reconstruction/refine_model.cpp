@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/refine_model.h"
+
+#include "stages/reconstruction/tracks.h"
+
+namespace psfm {
+namespace {
+
+/// Images from which focal lengths are adjusted: two views hardly determine them.
+constexpr std::uint32_t kImagesForIntrinsics = 3;
+
+std::size_t observation_count(const WorkingModel& model) {
+    std::size_t count = 0;
+    for (const WorkingModel::Point& point : model.points()) count += point.track.size();
+    return count;
+}
+
+std::size_t retriangulate(WorkingModel& model, const TrackOptions& options) {
+    std::size_t added = 0;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image)) added += triangulate_image(model, image, options);
+    }
+    return added;
+}
+
+}  // namespace
+
+std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& options) {
+    std::uint32_t removed = 0;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (!model.registered(image)) continue;
+        std::uint32_t observations = 0;
+        for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
+            if (model.point_of({image, feature}) != WorkingModel::kNoPoint) ++observations;
+        }
+        if (observations >= options.min_observations) continue;
+        model.remove_image(image);
+        ++removed;
+    }
+    return removed;
+}
+
+Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics, const RefinementOptions& refinement,
+                                   const SolveOptions& options) {
+    std::uint32_t adjustments = 0;
+    for (int round = 0; round < refinement.max_rounds; ++round) {
+        std::size_t changed = complete_tracks(model, options.tracks);
+        changed += merge_tracks(model, options.tracks);
+        changed += retriangulate(model, options.tracks);
+        const bool free_intrinsics = !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
+        const auto report = adjust(model, full_scope(model, free_intrinsics), refinement.adjustment);
+        if (!report.ok()) return report.error();
+        ++adjustments;
+        changed += filter_tracks(model, {}, options.tracks);
+        remove_weak_images(model, options);
+        if (static_cast<double>(changed) < refinement.max_change * static_cast<double>(observation_count(model))) break;
+    }
+    return adjustments;
+}
+
+}  // namespace psfm

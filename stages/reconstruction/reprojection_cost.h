@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ceres/manifold.h>
+#include <ceres/sized_cost_function.h>
+
+#include <Eigen/Core>
+
+#include "graph/camera.h"
+#include "graph/rigid3.h"
+
+namespace psfm {
+
+/// Parameter blocks of bundle adjustment: pose (quaternion x y z w, translation), point, intrinsics
+/// (Camera::params).
+constexpr int kPoseSize = 7;
+constexpr int kPointSize = 3;
+constexpr int kIntrinsicsSize = 8;
+
+void write_pose(const Rigid3& cam_from_world, double* block);
+Rigid3 read_pose(const double* block);
+
+/// Rigid motion with the tangent (w, v): rotation' = exp(w) * rotation, translation' = translation + v.
+///
+/// ReprojectionCost gives its derivatives by (w, v) in the first six of the seven columns and leaves the
+/// last one zero; PlusJacobian is the matching [I6; 0], so nothing is computed through the quaternion's
+/// four components. Use with cost functions of that convention only.
+class PoseManifold final : public ceres::Manifold {
+  public:
+    int AmbientSize() const override { return kPoseSize; }
+    int TangentSize() const override { return 6; }
+    bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
+    bool PlusJacobian(const double* x, double* jacobian) const override;
+    bool Minus(const double* y, const double* x, double* y_minus_x) const override;
+    bool MinusJacobian(const double* x, double* jacobian) const override;
+};
+
+/// Projected minus observed pixel, divided by the observation's standard deviation; analytic derivatives.
+class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, kPointSize, kIntrinsicsSize> {
+  public:
+    ReprojectionCost(CameraModel model, const Eigen::Vector2d& observed_px, double sigma_px)
+        : model_(model), observed_(observed_px), inverse_sigma_(1.0 / sigma_px) {}
+
+    /// False when the point is not in front of the camera: the solver then takes a shorter step.
+    bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+  private:
+    CameraModel model_;
+    Eigen::Vector2d observed_;
+    double inverse_sigma_;
+};
+
+}  // namespace psfm

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/solve_cluster.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+
+#include "stages/reconstruction/grow_model.h"
+#include "stages/reconstruction/initialize_model.h"
+#include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/refine_model.h"
+
+namespace psfm {
+namespace {
+
+Result<void> check_problem(const ClusterProblem& problem) {
+    for (std::size_t i = 0; i < problem.images.size(); ++i) {
+        const ClusterImage& image = problem.images[i];
+        if (i > 0 && !(problem.images[i - 1].id < image.id)) {
+            return Error{ErrorCode::kInvalidArgument, "cluster problem: images are not ascending"};
+        }
+        if (!image.keypoints || !problem.cameras.contains(image.camera)) {
+            return Error{ErrorCode::kInvalidArgument, "cluster problem: an image lacks its features or its camera"};
+        }
+    }
+    return {};
+}
+
+CorrespondenceGraph correspondences_of(const ClusterProblem& problem, const LocalGraph& graph) {
+    std::vector<ImageId> ids;
+    std::vector<std::uint32_t> feature_counts;
+    for (const ClusterImage& image : problem.images) {
+        ids.push_back(image.id);
+        feature_counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
+    }
+    return {ids, feature_counts, graph.pairs};
+}
+
+void use_cameras(WorkingModel& model, const LocalGraph& graph) {
+    for (const auto& [id, camera] : graph.cameras) model.mutable_camera(id) = camera;
+}
+
+/// A model grown from one start.
+struct Attempt {
+    Reconstruction model;
+    SolveState state;
+    SolveStatistics statistics;
+};
+
+/// Starts from the best pair; from another one when most images stayed out. Keeps the larger model.
+Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph, const CorrespondenceGraph& matches,
+                          const SolveOptions& options) {
+    constexpr int kStarts = 3;
+    Attempt best;
+    std::vector<bool> used(problem.images.size(), false);
+    for (int start = 0; start < kStarts; ++start) {
+        WorkingModel model(problem, matches);
+        use_cameras(model, graph);
+        const auto seed = initialize_model(model, graph, used, options);
+        if (!seed.ok()) break;
+        Attempt attempt;
+        attempt.state.images_at_full_adjustment = model.registered_count();
+        attempt.statistics.registered = model.registered_count();
+        const auto grown = grow_model(model, problem, options, attempt.state, attempt.statistics);
+        if (grown.ok() && model.registered_count() > best.model.images.size()) {
+            const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
+            if (adjustments.ok()) {
+                attempt.statistics.full_adjustments += *adjustments;
+                attempt.state.images_at_full_adjustment = model.registered_count();
+                attempt.model = model.save();
+                best = std::move(attempt);
+            }
+        }
+        if (2 * best.model.images.size() > problem.images.size()) break;
+        used[seed->first] = used[seed->second] = true;
+        for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+            if (model.registered(image)) used[image] = true;
+        }
+    }
+    return best;
+}
+
+Result<Attempt> solve_extend(const ClusterProblem& problem, const LocalGraph& graph, const CorrespondenceGraph& matches,
+                             const SolveOptions& options) {
+    WorkingModel model(problem, matches);
+    use_cameras(model, graph);
+    model.load(*problem.recycled);
+    Attempt attempt;
+    attempt.state = problem.recycled_state;
+    const auto grown = grow_model(model, problem, options, attempt.state, attempt.statistics);
+    if (!grown.ok()) return grown.error();
+    if (problem.settle) {
+        const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
+        if (!adjustments.ok()) return adjustments.error();
+        attempt.statistics.full_adjustments += *adjustments;
+        attempt.state.images_at_full_adjustment = model.registered_count();
+    }
+    attempt.model = model.save();
+    return attempt;
+}
+
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const ClusterProblem& problem, const Reconstruction& model,
+                                                           WaitReason if_no_model) {
+    std::vector<std::pair<ImageId, WaitReason>> waiting;
+    for (const ClusterImage& image : problem.images) {
+        if (model.find(image.id) != nullptr) continue;
+        waiting.emplace_back(image.id, model.empty() ? if_no_model : WaitReason::kRegistrationFailed);
+    }
+    return waiting;
+}
+
+double mean_error_px(const Reconstruction& model) {
+    double sum = 0.0;
+    for (const ScenePoint& point : model.points) sum += point.error_px;
+    return model.points.empty() ? 0.0 : sum / static_cast<double>(model.points.size());
+}
+
+Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options) {
+    ClusterSolution solution;
+    solution.cluster = problem.cluster;
+    solution.topology = problem.topology;
+    Attempt attempt;
+    WaitReason reason = WaitReason::kClusterTooSmall;
+    if (problem.images.size() < options.mu_min) {
+        attempt.statistics.kind = SolveKind::kTooSmall;
+    } else {
+        const auto graph = make_local_graph(problem, options);
+        if (!graph.ok()) return graph.error();
+        const CorrespondenceGraph matches = correspondences_of(problem, *graph);
+        const bool extend = problem.recycled && !problem.recycled->empty();
+        auto attempted = extend ? solve_extend(problem, *graph, matches, options)
+                                : solve_new(problem, *graph, matches, options);
+        if (!attempted.ok()) return attempted.error();
+        attempt = *std::move(attempted);
+        attempt.statistics.kind = !extend          ? SolveKind::kNew
+                                  : problem.settle ? SolveKind::kSettle
+                                                   : SolveKind::kExtend;
+        attempt.statistics.removed_edges = graph->removed_edges;
+        reason = WaitReason::kNoSeed;
+    }
+    attempt.statistics.mean_error_px = mean_error_px(attempt.model);
+    solution.waiting = waiting_images(problem, attempt.model, reason);
+    solution.model = std::make_shared<const Reconstruction>(std::move(attempt.model));
+    solution.state = attempt.state;
+    solution.statistics = attempt.statistics;
+    return solution;
+}
+
+}  // namespace
+
+const char* name_of(SolveKind kind) {
+    switch (kind) {
+        case SolveKind::kTooSmall: return "too small";
+        case SolveKind::kNew: return "new";
+        case SolveKind::kExtend: return "extend";
+        case SolveKind::kSettle: return "settle";
+    }
+    return "unknown";
+}
+
+Result<ClusterSolution> solve_cluster(const ClusterProblem& problem, const SolveOptions& options) {
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
+    if (const auto valid = check_problem(problem); !valid.ok()) return valid.error();
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        auto solution = solve(problem, options);
+        if (solution.ok()) {
+            const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+            solution->statistics.milliseconds = elapsed.count();
+        }
+        return solution;
+    } catch (const std::exception& exception) {
+        return Error{ErrorCode::kInternal, std::string("cluster solve: ") + exception.what()};
+    }
+}
+
+}  // namespace psfm

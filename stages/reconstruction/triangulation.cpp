@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/triangulation.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace psfm {
+namespace {
+
+using Feature = WorkingModel::Feature;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+constexpr std::size_t kPairsFrom = 20;  // bounds the pairs tried for one point
+
+View view_of(const WorkingModel& model, const Feature& feature) {
+    return {model.pose(feature.image), model.normalized(feature)};
+}
+
+/// The best observation of each image within the error bound, ascending by image.
+std::vector<Feature> inliers_of(const WorkingModel& model, std::span<const Feature> candidates,
+                                const Eigen::Vector3d& position, double max_squared_error) {
+    struct Scored {
+        Feature feature;
+        double error;
+    };
+    std::vector<Scored> scored;
+    for (const Feature& feature : candidates) {
+        const double error = model.squared_error(feature, position);
+        if (error <= max_squared_error) scored.push_back({feature, error});
+    }
+    std::ranges::sort(scored, [](const Scored& a, const Scored& b) {
+        return std::tie(a.feature.image, a.error, a.feature.feature) <
+               std::tie(b.feature.image, b.error, b.feature.feature);
+    });
+    std::vector<Feature> inliers;
+    for (const Scored& s : scored) {
+        if (inliers.empty() || inliers.back().image != s.feature.image) inliers.push_back(s.feature);
+    }
+    return inliers;
+}
+
+std::optional<Eigen::Vector3d> triangulate_track(const WorkingModel& model, std::span<const Feature> track) {
+    std::vector<View> views;
+    views.reserve(track.size());
+    for (const Feature& feature : track) views.push_back(view_of(model, feature));
+    return triangulate(views);
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> triangulate(std::span<const View> views) {
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+    for (const View& view : views) {
+        Eigen::Matrix<double, 3, 4> p;
+        p.leftCols<3>() = view.cam_from_world.rotation.toRotationMatrix();
+        p.col(3) = view.cam_from_world.translation;
+        const Eigen::Vector3d ray = view.normalized.homogeneous().normalized();
+        // Rows of the projection onto the plane across the ray: equal weight for every direction of view.
+        const Eigen::Matrix<double, 3, 4> across = p - ray * (ray.transpose() * p);
+        normal.noalias() += across.transpose() * across;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(normal);
+    const Eigen::Vector4d homogeneous = solver.eigenvectors().col(0);
+    if (std::abs(homogeneous.w()) < 1e-12 * homogeneous.head<3>().norm()) return std::nullopt;
+    const Eigen::Vector3d point = homogeneous.hnormalized();
+    for (const View& view : views) {
+        if ((view.cam_from_world * point).z() <= 0.0) return std::nullopt;
+    }
+    return point;
+}
+
+double triangulation_angle(const Eigen::Vector3d& centre1, const Eigen::Vector3d& centre2,
+                           const Eigen::Vector3d& point) {
+    const Eigen::Vector3d ray1 = centre1 - point;
+    const Eigen::Vector3d ray2 = centre2 - point;
+    const double angle = std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2));
+    // Rays that point at each other fix the depth as badly as parallel ones.
+    return std::min(angle, std::numbers::pi - angle);
+}
+
+double largest_angle(const WorkingModel& model, std::span<const Feature> track, const Eigen::Vector3d& position) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < track.size(); ++i) {
+        const Eigen::Vector3d centre = model.centre(track[i].image);
+        for (std::size_t j = 0; j < i; ++j) {
+            largest = std::max(largest, triangulation_angle(centre, model.centre(track[j].image), position));
+        }
+    }
+    return largest;
+}
+
+Result<void> validate(const TrackOptions& options) {
+    if (!(options.max_error_px > 0) || !(options.min_angle_deg >= 0) || options.completion_depth < 1) {
+        return Error{ErrorCode::kInvalidArgument, "tracks: error bound and depth must be positive, the angle not negative"};
+    }
+    return {};
+}
+
+std::optional<EstimatedPoint> estimate_point(const WorkingModel& model, std::span<const Feature> candidates,
+                                             const TrackOptions& options) {
+    const double max_squared_error = options.max_error_px * options.max_error_px;
+    const double min_angle = options.min_angle_deg * kRadiansPerDegree;
+    const std::size_t tried = std::min(candidates.size(), kPairsFrom);
+    std::vector<View> views;
+    for (std::size_t i = 0; i < tried; ++i) views.push_back(view_of(model, candidates[i]));
+
+    EstimatedPoint best;
+    double best_angle = 0.0;
+    for (std::size_t i = 0; i < tried; ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            if (candidates[i].image == candidates[j].image) continue;
+            const std::array<View, 2> pair{views[j], views[i]};
+            const auto position = triangulate(pair);
+            if (!position) continue;
+            const double angle = triangulation_angle(model.centre(candidates[i].image),
+                                                     model.centre(candidates[j].image), *position);
+            if (angle < min_angle) continue;
+            std::vector<Feature> inliers = inliers_of(model, candidates, *position, max_squared_error);
+            if (inliers.size() < 2) continue;
+            if (inliers.size() > best.inliers.size() ||
+                (inliers.size() == best.inliers.size() && angle > best_angle)) {
+                best = {*position, std::move(inliers)};
+                best_angle = angle;
+            }
+        }
+        if (best.inliers.size() == candidates.size()) break;
+    }
+    if (best.inliers.size() < 2) return std::nullopt;
+    if (best.inliers.size() > 2) {
+        if (const auto refined = triangulate_track(model, best.inliers)) {
+            std::vector<Feature> inliers = inliers_of(model, best.inliers, *refined, max_squared_error);
+            if (inliers.size() == best.inliers.size()) best.position = *refined;
+        }
+    }
+    return best;
+}
+
+}  // namespace psfm

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "graph/rigid3.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+/// A normalised image point and the pose of its camera.
+struct View {
+    Rigid3 cam_from_world;
+    Eigen::Vector2d normalized = Eigen::Vector2d::Zero();  ///< z = 1, undistorted
+};
+
+/// Point nearest to all views by the direct linear transform (Hartley and Zisserman, sec. 12.2).
+/// Nothing when it is at infinity or behind one of the cameras. REQUIRES: at least two views.
+std::optional<Eigen::Vector3d> triangulate(std::span<const View> views);
+
+/// Angle [rad] at a point between the directions to two camera centres, in [0, pi/2].
+double triangulation_angle(const Eigen::Vector3d& centre1, const Eigen::Vector3d& centre2,
+                           const Eigen::Vector3d& point);
+
+/// Largest triangulation angle [rad] over all pairs of a track's images.
+double largest_angle(const WorkingModel& model, std::span<const WorkingModel::Feature> track,
+                     const Eigen::Vector3d& position);
+
+struct TrackOptions {
+    /// Reprojection error of an observation at most [px]. Higher: more and longer tracks with more outliers.
+    /// COLMAP 3.8's filter_max_reproj_error.
+    double max_error_px = 4.0;
+    /// Largest triangulation angle of a point at least [deg]. Lower: more far points, badly determined in depth.
+    /// COLMAP 3.8's filter_min_tri_angle.
+    double min_angle_deg = 1.5;
+    /// Steps along matches when a track is completed. Higher: longer tracks, slower. COLMAP 3.8: 5.
+    int completion_depth = 5;
+};
+
+Result<void> validate(const TrackOptions& options);
+
+struct EstimatedPoint {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    std::vector<WorkingModel::Feature> inliers;  ///< ascending; one an image
+};
+
+/// The point that most of the candidate observations agree on, when they do not all: every pair (of the
+/// first 20 candidates) is triangulated, the one with most inliers is refined on them.
+/// This is where conflicting tracks split: what does not agree stays for another point.
+/// @param candidates  features of registered images, several of one image allowed
+std::optional<EstimatedPoint> estimate_point(const WorkingModel& model,
+                                             std::span<const WorkingModel::Feature> candidates,
+                                             const TrackOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/working_model.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace psfm {
+
+WorkingModel::WorkingModel(const ClusterProblem& problem, const CorrespondenceGraph& matches)
+    : problem_(&problem), matches_(&matches), cameras_(problem.cameras), poses_(problem.images.size()) {
+    point_of_.reserve(problem.images.size());
+    for (const ClusterImage& image : problem.images) {
+        point_of_.emplace_back(image.keypoints->size(), kNoPoint);
+        visible_links_.emplace_back(image.keypoints->size(), std::uint16_t{0});
+        const Camera& camera = cameras_.at(image.camera);
+        pyramids_.emplace_back(camera.width, camera.height);
+    }
+}
+
+void WorkingModel::load(const Reconstruction& model) {
+    assert(registered_count_ == 0);
+    for (const auto& [id, camera] : model.cameras) {
+        if (const auto found = cameras_.find(id); found != cameras_.end()) found->second = camera;
+    }
+    std::map<ImageId, std::uint32_t> local;
+    for (std::uint32_t image = 0; image < image_count(); ++image) local[image_id(image)] = image;
+    for (const RegisteredImage& image : model.images) {
+        if (const auto found = local.find(image.image); found != local.end()) {
+            set_pose(found->second, image.cam_from_cluster);
+        }
+    }
+    for (const ScenePoint& point : model.points) {
+        std::vector<Feature> track;
+        for (const Observation& observation : point.track) {
+            const auto found = local.find(observation.image);
+            if (found != local.end() && registered(found->second)) {
+                track.push_back({found->second, observation.feature});
+            }
+        }
+        if (track.size() >= 2) add_point(point.position, std::move(track));
+    }
+}
+
+Reconstruction WorkingModel::save() const {
+    Reconstruction model;
+    for (std::uint32_t image = 0; image < image_count(); ++image) {
+        if (!registered(image)) continue;
+        model.images.push_back({image_id(image), camera_id(image), pose(image)});
+        model.cameras[camera_id(image)] = camera(image);
+    }
+    model.points.reserve(alive_points_);
+    for (const Point& point : points_) {
+        if (!point.alive()) continue;
+        ScenePoint saved;
+        saved.position = point.position;
+        double error = 0.0;
+        for (const Feature& feature : point.track) {
+            saved.track.push_back({image_id(feature.image), feature.feature});
+            error += std::sqrt(squared_error(feature, point.position));
+        }
+        saved.error_px = static_cast<float>(error / static_cast<double>(point.track.size()));
+        model.points.push_back(std::move(saved));
+    }
+    return model;
+}
+
+void WorkingModel::set_pose(std::uint32_t image, const Rigid3& cam_from_cluster) {
+    if (!poses_[image]) ++registered_count_;
+    poses_[image] = cam_from_cluster;
+}
+
+void WorkingModel::remove_image(std::uint32_t image) {
+    for (std::uint32_t feature = 0; feature < point_of_[image].size(); ++feature) {
+        if (point_of_[image][feature] != kNoPoint) remove_observation({image, feature});
+    }
+    poses_[image].reset();
+    --registered_count_;
+}
+
+void WorkingModel::link(const Feature& feature, std::uint32_t point) {
+    point_of_[feature.image][feature.feature] = point;
+    for (const Feature& match : matches_->matches(feature)) {
+        if (visible_links_[match.image][match.feature]++ == 0) pyramids_[match.image].add(pixel(match));
+    }
+}
+
+void WorkingModel::unlink(const Feature& feature) {
+    point_of_[feature.image][feature.feature] = kNoPoint;
+    for (const Feature& match : matches_->matches(feature)) {
+        if (--visible_links_[match.image][match.feature] == 0) pyramids_[match.image].remove(pixel(match));
+    }
+}
+
+std::uint32_t WorkingModel::add_point(const Eigen::Vector3d& position, std::vector<Feature> track) {
+    assert(track.size() >= 2);
+    std::ranges::sort(track);
+    const auto point = static_cast<std::uint32_t>(points_.size());
+    for (const Feature& feature : track) {
+        assert(point_of(feature) == kNoPoint && registered(feature.image));
+        link(feature, point);
+    }
+    points_.push_back({position, std::move(track)});
+    ++alive_points_;
+    return point;
+}
+
+bool WorkingModel::add_observation(std::uint32_t point, const Feature& feature) {
+    assert(point_of(feature) == kNoPoint && registered(feature.image));
+    std::vector<Feature>& track = points_[point].track;
+    const auto place = std::ranges::lower_bound(track, Feature{feature.image, 0});
+    if (place != track.end() && place->image == feature.image) return false;
+    track.insert(place, feature);
+    link(feature, point);
+    return true;
+}
+
+void WorkingModel::remove_observation(const Feature& feature) {
+    const std::uint32_t point = point_of(feature);
+    assert(point != kNoPoint);
+    if (points_[point].track.size() <= 2) {
+        remove_point(point);
+        return;
+    }
+    std::erase(points_[point].track, feature);
+    unlink(feature);
+}
+
+void WorkingModel::remove_point(std::uint32_t point) {
+    for (const Feature& feature : points_[point].track) unlink(feature);
+    points_[point].track.clear();
+    points_[point].track.shrink_to_fit();
+    --alive_points_;
+}
+
+double WorkingModel::squared_error(const Feature& feature, const Eigen::Vector3d& position) const {
+    const auto projected = project(camera(feature.image), pose(feature.image) * position);
+    if (!projected) return std::numeric_limits<double>::infinity();
+    return (*projected - pixel(feature)).squaredNorm();
+}
+
+Eigen::Vector3d WorkingModel::ray_in_cluster(const Feature& feature) const {
+    return pose(feature.image).rotation.conjugate() * normalized(feature).homogeneous().normalized();
+}
+
+}  // namespace psfm
