@@ -11,11 +11,26 @@ namespace psfm {
 /// Sum of an image's edge weights, added up in order of neighbours.
 double weighted_degree(const ViewGraph& graph, ImageId image);
 
-/// Weighted Jaccard distance of two images (paper sec. "Clustering"):
-/// 1 - sum over common neighbours n of (M_in + M_nj) / sum over all n of (M_in + M_nj); 1 when
-/// neither image has an edge. Bitwise symmetric in i and j and independent of the order in which
-/// edges were added.
-/// @return in [0, 1] up to rounding. Thread-safe.
-double jaccard_distance(const ViewGraph& graph, ImageId i, ImageId j, JaccardForm form);
+/// The two sums of the weighted Jaccard distance (paper sec. "Clustering").
+struct JaccardSums {
+    double shared = 0.0;  ///< over common neighbours n: M_in + M_nj; by form, plus 2 M_ij
+    double all = 0.0;     ///< over all n: M_in + M_nj
+
+    /// In [0, 1] up to rounding; 1 when neither image has an edge.
+    double distance() const { return all > 0.0 ? 1.0 - shared / all : 1.0; }
+    /// distance() < eta, but without the rounding of 1 - 0.8, so that distances which equal eta do
+    /// not join.
+    bool nearer_than(double eta) const { return shared > (1.0 - eta) * all; }
+};
+
+/// @param common sum over common neighbours n, ascending, of (M_in + M_nj)
+/// @param direct M_ij, 0 without an edge; @param degrees weighted degrees of i and j together
+inline JaccardSums jaccard_sums(double common, double direct, double degrees, JaccardForm form) {
+    return {form == JaccardForm::kMutual ? common + 2.0 * direct : common, degrees};
+}
+
+/// Sums of two images: bitwise symmetric in i and j, and for whole weights (numbers of inliers)
+/// exact, hence independent of the order of arrival. Thread-safe.
+JaccardSums jaccard_sums(const ViewGraph& graph, ImageId i, ImageId j, JaccardForm form);
 
 }  // namespace psfm
