@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace psfm {
+
+/// Descriptors::kSize, repeated so that code compiled for one processor includes no Eigen.
+inline constexpr std::size_t kDescriptorBytes = 128;
+/// Columns that lie side by side in the packed form: one 512-bit register of 32-bit sums.
+inline constexpr std::size_t kStripColumns = 16;
+/// Strips are padded with empty ones to a multiple of this, the widest register tile of any kernel.
+inline constexpr std::size_t kStripGroup = 3;
+
+/// 16 columns: 32 times (4 bytes of each of the 16), every byte minus 128 as a signed number.
+struct alignas(64) Strip {
+    std::int8_t bytes[kStripColumns * kDescriptorBytes];
+};
+
+/// One 32-bit number for each column of a strip.
+struct alignas(64) StripKeys {
+    std::int32_t lane[kStripColumns];
+};
+
+/// Smallest and second smallest key of each lane.
+struct alignas(64) LaneMinima {
+    std::int32_t best[kStripColumns];
+    std::int32_t second[kStripColumns];
+};
+
+constexpr std::size_t strip_count(std::size_t columns) {
+    constexpr std::size_t kGroupColumns = kStripColumns * kStripGroup;
+    return (columns + kGroupColumns - 1) / kGroupColumns * kStripGroup;
+}
+
+/// Squared distance of a neighbour that does not exist.
+inline constexpr std::int32_t kNoDistance = std::numeric_limits<std::int32_t>::max();
+
+/// Both sides of a product of all rows with all columns. Views; the caller keeps the arrays alive.
+struct DotKernelInput {
+    const std::uint8_t* rows = nullptr;  ///< row_count * 128 bytes, one descriptor after another
+    const std::int32_t* row_norms = nullptr;  ///< squared Euclidean norms
+    const std::int32_t* row_sums = nullptr;   ///< sums of the 128 bytes
+    std::size_t row_count = 0;
+    const Strip* strips =
+        nullptr;  ///< strip_count(column_count); columns past the end are all zero
+    const std::int32_t* column_norms = nullptr;
+    std::size_t column_count = 0;
+};
+
+/// The nearest neighbour of each descriptor of one side, and the distance to the second nearest.
+struct NearestTwo {
+    std::int32_t* best = nullptr;  ///< squared distance minus the descriptor's own squared norm
+    std::int32_t* second =
+        nullptr;  ///< likewise; kNoDistance when the other side has one descriptor
+    std::uint32_t* index = nullptr;  ///< of the nearest; the lowest one among equals
+};
+
+/// What a kernel writes. Arrays are the caller's: kernels are compiled for processors that may not
+/// be there, and must not instantiate library templates that the linker could then use everywhere.
+struct DotKernelOutput {
+    NearestTwo of_rows;                ///< row_count entries, best and second preset to kNoDistance
+    NearestTwo of_columns;             ///< column_count entries, likewise
+    StripKeys* column_keys = nullptr;  ///< scratch: one a strip
+    LaneMinima* column_minima = nullptr;  ///< scratch: one a strip
+};
+
+/// Nearest and second nearest neighbours in both directions. All kernels write the same bits.
+/// Thread-safe for distinct outputs.
+using DotKernel = void (*)(const DotKernelInput&, const DotKernelOutput&);
+
+void dot_kernel_portable(const DotKernelInput& input, const DotKernelOutput& output);
+void dot_kernel_avx2(const DotKernelInput& input, const DotKernelOutput& output);
+void dot_kernel_avx_vnni(const DotKernelInput& input, const DotKernelOutput& output);
+void dot_kernel_avx512_vnni(const DotKernelInput& input, const DotKernelOutput& output);
+
+struct NamedDotKernel {
+    std::string_view name;
+    DotKernel kernel;
+};
+
+/// The kernels that this processor and operating system can run, fastest first; never empty.
+std::vector<NamedDotKernel> available_dot_kernels();
+
+}  // namespace psfm

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "stages/verification/dot_kernel.h"
+#include "stages/verification/match_descriptors.h"
+
+namespace psfm {
+
+/// match_descriptors() with a kernel of the caller's choice: for tests and benchmarks.
+/// REQUIRES: kernel is one of available_dot_kernels().
+std::vector<FeatureMatch> match_with_kernel(const Descriptors& a, const PackedDescriptors& b,
+                                            const MatchOptions& options, DotKernel kernel);
+
+}  // namespace psfm
