@@ -24,8 +24,8 @@ using psfm::ClusteringState;
 using psfm::ImageId;
 using psfm::ViewGraph;
 
-/// Adds images on a circle of `circumference` positions: those within `reach` are matched, nearer
-/// ones better.
+/// Images at positions of a row of places; those of one place within kReach of one another are
+/// matched, nearer ones better.
 class Places {
   public:
     Places(std::size_t count, std::size_t images_a_place, std::uint64_t seed)
