@@ -5,6 +5,8 @@
 # library psfm_NAME with the alias psfm::NAME; psfm_add_test(NAME SOURCES ... LIBS ... LABELS ...)
 # makes one GoogleTest program and registers each of its tests with ctest.
 
+include(PsfmInstall)
+
 set(PSFM_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
 
 # Flags of our own code: never applied to anything else (INTERFACE target, linked PRIVATE).
@@ -35,10 +37,15 @@ function(psfm_add_library name)
   add_library(psfm_${name} STATIC ${ARG_SOURCES})
   add_library(psfm::${name} ALIAS psfm_${name})
   set_target_properties(psfm_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
-  target_include_directories(psfm_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_include_directories(psfm_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                     $<INSTALL_INTERFACE:${PSFM_INSTALL_INCLUDE}>)
   target_link_libraries(psfm_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:psfm_flags>
                                             ${ARG_PRIVATE})
   target_compile_features(psfm_${name} PUBLIC cxx_std_20)
+  # The tests' own libraries stay here.
+  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests")
+    install(TARGETS psfm_${name} EXPORT psfmTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  endif()
 endfunction()
 
 function(psfm_add_test name)

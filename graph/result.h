@@ -36,9 +36,11 @@ struct Error {
 template <typename T>
 class [[nodiscard]] Result {
   public:
-    Result(T value)
-        : content_(std::in_place_index<0>, std::move(value)) {}  // NOLINT: implicit by design
-    Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT
+    // Implicit by design: `return value;` and `return Error{…};` both read as they are meant.
+    // NOLINTNEXTLINE(google-explicit-constructor)
+    Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
+    // NOLINTNEXTLINE(google-explicit-constructor)
+    Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}
 
     bool ok() const { return content_.index() == 0; }
     explicit operator bool() const { return ok(); }
@@ -77,7 +79,8 @@ template <>
 class [[nodiscard]] Result<void> {
   public:
     Result() = default;
-    Result(Error error) : failed_(true), error_(std::move(error)) {}  // NOLINT: implicit by design
+    // NOLINTNEXTLINE(google-explicit-constructor)
+    Result(Error error) : failed_(true), error_(std::move(error)) {}
 
     bool ok() const { return !failed_; }
     explicit operator bool() const { return ok(); }

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Two rooms of four photographs each, matched within a room only: two clusters.
+#include <cstdio>
+
+#include "graph/view_graph.h"
+#include "stages/clustering/batch_clusters.h"
+
+int main() {
+    using psfm::ImageId;
+    constexpr std::uint32_t kImages = 8;
+    psfm::ViewGraph graph;
+    for (std::uint32_t image = 0; image < kImages; ++image) graph.add_node();
+    for (std::uint32_t a = 0; a < kImages; ++a) {
+        for (std::uint32_t b = a + 1; b < kImages; ++b) {
+            if (a / 4 == b / 4) graph.add_edge(ImageId{a}, ImageId{b}, 100.0);
+        }
+    }
+    const auto clusters = psfm::batch_clusters(graph, psfm::ClusteringOptions{});
+    std::printf("%zu clusters\n", clusters.size());
+    return clusters.size() == 2 ? 0 : 1;
+}

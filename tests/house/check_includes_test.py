@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""tools/ci/check-includes finds each kind of planted violation, and nothing in a clean tree."""
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+CHECK = Path(__file__).parents[2] / "tools/ci/check-includes"
+SPDX = ("// SPDX-FileCopyrightText: 2026 the psfm authors\n"
+        "// SPDX-License-Identifier: BSD-3-Clause\n")
+
+
+class CheckIncludes(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        self.write("graph/ids.h", "#pragma once\n#include <vector>\n")
+        self.write("storage/store.h", '#pragma once\n#include "graph/ids.h"\n')
+        self.write("stages/merge/merge.h", '#pragma once\n#include "graph/ids.h"\n')
+        self.write("stages/features/sift.cpp", "#include <opencv2/core.hpp>\n#include <tbb/parallel_for.h>\n")
+        self.write("scheduler/flow.cpp", '#include <tbb/flow_graph.h>\n#include "storage/store.h"\n')
+
+    def write(self, path, body, head=SPDX):
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(head + body)
+
+    def run_check(self):
+        done = subprocess.run([sys.executable, CHECK, self.root], capture_output=True, text=True)
+        return done.returncode, done.stdout
+
+    def assert_found(self, path, body, words, head=SPDX):
+        self.write(path, body, head)
+        code, output = self.run_check()
+        self.assertEqual(code, 1, output)
+        findings = output.strip().splitlines()
+        self.assertEqual(len(findings), 1, output)
+        self.assertTrue(findings[0].startswith(path + ":"), output)
+        self.assertIn(words, findings[0])
+
+    def test_clean_tree(self):
+        code, output = self.run_check()
+        self.assertEqual(code, 0, output)
+
+    def test_graph_includes_nobody(self):
+        self.assert_found("graph/a.cpp", '#include "storage/store.h"\n', "may not include storage/")
+
+    def test_storage_knows_no_stage(self):
+        self.assert_found("storage/a.cpp", '#include "stages/merge/merge.h"\n', "may not include stages/")
+
+    def test_stage_knows_no_store(self):
+        self.assert_found("stages/merge/a.cpp", '#include "storage/store.h"\n', "may not include storage/")
+
+    def test_stage_has_no_flow_graph(self):
+        for header in ("tbb/flow_graph.h", "oneapi/tbb/flow_graph.h"):
+            self.assert_found("stages/merge/a.cpp", f"#include <{header}>\n", "may not use tbb-flow")
+
+    def test_graph_uses_no_library(self):
+        self.assert_found("graph/a.h", "#pragma once\n#include <ceres/ceres.h>\n", "may not use ceres")
+
+    def test_sibling_stage_must_be_linked(self):
+        body = '#include "stages/merge/merge.h"\n'
+        self.assert_found("stages/clustering/a.cpp", body, "links no library of stages/merge")
+        self.write("stages/clustering/CMakeLists.txt", "psfm_add_library(clustering PUBLIC psfm::merge)\n",
+                   SPDX.replace("//", "#"))
+        self.assertEqual(self.run_check()[0], 0)
+
+    def test_only_paths_from_the_root(self):
+        self.assert_found("graph/a.cpp", '#include "ids.h"\n', "include from the root")
+
+    def test_licence(self):
+        self.assert_found("graph/a.cpp", "", "SPDX", head="")
+
+    def test_pragma_once(self):
+        self.assert_found("graph/a.h", "", "#pragma once")
+
+    def test_length(self):
+        self.assert_found("graph/a.cpp", "\n" * 399, "split by concept")
+
+    def test_no_printing(self):
+        self.assert_found("scheduler/a.cpp", 'void f() { std::cout << "x"; }\n', "may not print")
+
+    def test_empty_tree_is_no_success(self):
+        with tempfile.TemporaryDirectory() as empty:
+            self.root = Path(empty)
+            self.assertEqual(self.run_check()[0], 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
