@@ -46,7 +46,7 @@ PhotoContainer parse_tiff(std::span<const std::uint8_t> bytes) {
     result.exif = bytes;
     const std::uint64_t directory = tiff.u32(4);
     const std::uint64_t count = tiff.u16(directory);
-    if (!tiff.view.has(directory, 2 + 12 * count)) {
+    if (!tiff.view.has(directory, 2 + 12 * count + 4)) {
         result.truncated = true;
         return result;
     }

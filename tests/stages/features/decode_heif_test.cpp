@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/features/decode_heif.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <libheif/heif.h>
+
+#include <exiv2/exiv2.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "stages/features/read_photo.h"
+#include "tests/stages/features/photo_fixture.h"
+
+namespace psfm {
+namespace {
+
+using testing::Bytes;
+
+heif_error append(heif_context*, const void* data, std::size_t size, void* target) {
+    const auto* begin = static_cast<const std::uint8_t*>(data);
+    static_cast<Bytes*>(target)->insert(static_cast<Bytes*>(target)->end(), begin, begin + size);
+    return {heif_error_Ok, heif_suberror_Unspecified, ""};
+}
+
+/// Nothing when this libheif has no encoder.
+Bytes encode_heif(const cv::Mat& bgr, const Bytes& exif) {
+    heif_context* context = heif_context_alloc();
+    heif_encoder* encoder = nullptr;
+    Bytes bytes;
+    if (heif_context_get_encoder_for_format(context, heif_compression_HEVC, &encoder).code ==
+        heif_error_Ok) {
+        heif_encoder_set_lossy_quality(encoder, 95);
+        heif_image* image = nullptr;
+        heif_image_create(bgr.cols, bgr.rows, heif_colorspace_RGB, heif_chroma_interleaved_RGB,
+                          &image);
+        heif_image_add_plane(image, heif_channel_interleaved, bgr.cols, bgr.rows, 8);
+        int stride = 0;
+        std::uint8_t* plane = heif_image_get_plane(image, heif_channel_interleaved, &stride);
+        cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, plane, static_cast<std::size_t>(stride));
+        cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+        heif_image_handle* handle = nullptr;
+        heif_context_encode_image(context, image, encoder, nullptr, &handle);
+        if (!exif.empty()) {
+            heif_context_add_exif_metadata(context, handle, exif.data(),
+                                           static_cast<int>(exif.size()));
+        }
+        heif_writer writer{1, append};
+        heif_context_write(context, &writer, &bytes);
+        heif_image_handle_release(handle);
+        heif_image_release(image);
+        heif_encoder_release(encoder);
+    }
+    heif_context_free(context);
+    return bytes;
+}
+
+TEST(DecodeHeifTest, ReadsPixelsAndExif) {
+    Exiv2::ExifData data;
+    data["Exif.Image.Make"] = "Heif Maker";
+    Exiv2::Blob blob;
+    Exiv2::ExifParser::encode(blob, Exiv2::littleEndian, data);
+    const cv::Mat image = testing::textured_image(160, 128);
+    const Bytes bytes = encode_heif(image, Bytes(blob.begin(), blob.end()));
+    if (bytes.empty()) GTEST_SKIP() << "this libheif has no HEVC encoder";
+
+    const testing::TemporaryFolder folder;
+    const auto photo = read_photo(folder.write("phone.heic", bytes), {});
+    ASSERT_TRUE(photo) << photo.error().message;
+    ASSERT_EQ(photo->colour.size(), image.size());
+    cv::Mat grey;
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+    EXPECT_LT(cv::norm(photo->grey, grey, cv::NORM_L1) / static_cast<double>(grey.total()), 4.0);
+    EXPECT_EQ(photo->exif, Bytes(blob.begin(), blob.end()));
+}
+
+TEST(DecodeHeifTest, RefusesDamageAndSize) {
+    Bytes bytes = encode_heif(testing::textured_image(160, 128), {});
+    if (bytes.empty()) GTEST_SKIP() << "this libheif has no HEVC encoder";
+    const testing::TemporaryFolder folder;
+    const auto large = decode_heif(bytes, 1000.0);
+    ASSERT_FALSE(large);
+    EXPECT_THAT(large.error().message, ::testing::HasSubstr("above the limit"));
+    bytes.resize(bytes.size() / 2);
+    const auto half = read_photo(folder.write("half.heic", bytes), {});
+    ASSERT_FALSE(half);
+    EXPECT_EQ(half.error().code, ErrorCode::kUnreadable);
+    EXPECT_THAT(half.error().message,
+                ::testing::StartsWith("half.heic: cannot be decoded as HEIF"));
+}
+
+}  // namespace
+}  // namespace psfm

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/features/focal_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stages/features/lensfun_crop_factor.h"
+
+namespace psfm {
+namespace {
+
+const double kFilmDiagonal = std::hypot(36.0, 24.0);
+
+TEST(FocalPriorTest, FilmEquivalentComparesDiagonals) {
+    ExifTags tags;
+    tags.focal_35mm = 35.0;
+    EXPECT_NEAR(focal_prior_px(tags, 2832, 2128).value(),
+                35.0 * std::hypot(2832, 2128) / kFilmDiagonal, 1e-9);
+    // 3:2 photographs: the same as comparing widths.
+    EXPECT_NEAR(focal_prior_px(tags, 3600, 2400).value(), 3500.0, 1e-9);
+}
+
+TEST(FocalPriorTest, FocalPlaneResolution) {
+    ExifTags tags;
+    tags.focal_mm = 5.40625;
+    tags.focal_plane_x_per_mm = 640000.0 / 206.0 / 25.4;
+    EXPECT_NEAR(focal_prior_px(tags, 640, 480).value(), 661.26, 0.01);
+}
+
+TEST(FocalPriorTest, ReducedPhotographsScale) {
+    ExifTags tags;
+    tags.focal_mm = 50.0;
+    tags.focal_plane_x_per_mm = 100.0;  // 36 mm over 3,600 pixels
+    tags.original_width = 3600.0;
+    tags.original_height = 2400.0;
+    EXPECT_NEAR(focal_prior_px(tags, 3600, 2400).value(), 5000.0, 1e-9);
+    EXPECT_NEAR(focal_prior_px(tags, 900, 600).value(), 1250.0, 1e-9);
+    // Turned upright by a program that left the size as it was.
+    EXPECT_NEAR(focal_prior_px(tags, 600, 900).value(), 1250.0, 1e-9);
+}
+
+TEST(FocalPriorTest, CroppedPhotographsKeepTheirFocalLength) {
+    ExifTags tags;
+    tags.focal_35mm = 36.0;
+    tags.original_width = 3600.0;
+    tags.original_height = 2400.0;
+    EXPECT_NEAR(focal_prior_px(tags, 3600, 1800).value(), 3600.0, 1e-9);
+    EXPECT_NEAR(focal_prior_px(tags, 1000, 667 - 200).value(), 1000.0, 1e-9);
+}
+
+TEST(FocalPriorTest, OrderOfSources) {
+    ExifTags tags;
+    tags.make = "NIKON CORPORATION";
+    tags.model = "NIKON D70";
+    tags.focal_mm = 36.0;
+    const auto crop = lensfun_crop_factor(tags.make, tags.model);
+    if (!crop) GTEST_SKIP() << "Lensfun's database is not installed";
+    EXPECT_NEAR(*crop, 1.52, 0.03);
+    EXPECT_NEAR(focal_prior_px(tags, 3000, 2000).value(), 3000.0 * *crop, 0.1);
+    tags.focal_plane_x_per_mm = 100.0;
+    EXPECT_NEAR(focal_prior_px(tags, 3000, 2000).value(), 3600.0, 1e-6);
+    tags.focal_35mm = 50.0;
+    EXPECT_NEAR(focal_prior_px(tags, 3000, 2000).value(), 3000.0 * 50.0 / 36.0, 1e-6);
+}
+
+TEST(FocalPriorTest, LensfunIgnoresCaseAndBlanks) {
+    const auto crop = lensfun_crop_factor("NIKON CORPORATION", "NIKON D70");
+    if (!crop) GTEST_SKIP() << "Lensfun's database is not installed";
+    EXPECT_EQ(lensfun_crop_factor(" Nikon  Corporation", "nikon d70 "), crop);
+    EXPECT_FALSE(lensfun_crop_factor("NIKON CORPORATION", "no such camera"));
+    EXPECT_FALSE(lensfun_crop_factor("", ""));
+}
+
+TEST(FocalPriorTest, ImpossibleSourcesGiveWayToTheNext) {
+    ExifTags tags;
+    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    tags.focal_mm = 5.0;
+    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    tags.focal_plane_x_per_mm = 1.0;  // a sensor 64 cm wide
+    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    tags.focal_plane_x_per_mm = 128.0;
+    tags.focal_plane_y_per_mm = 64.0;  // pixels twice as high as wide
+    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    tags.focal_plane_y_per_mm = 127.5;
+    EXPECT_TRUE(focal_prior_px(tags, 640, 480));
+    tags.focal_35mm = 60000.0;  // no lens: the focal plane tells
+    EXPECT_NEAR(focal_prior_px(tags, 640, 480).value(), 640.0, 1e-9);
+    EXPECT_FALSE(focal_prior_px(tags, 0, 480));
+}
+
+}  // namespace
+}  // namespace psfm

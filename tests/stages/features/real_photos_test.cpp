@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "stages/features/run_features.h"
+
+// What EXIF says of photographs whose focal length is known from elsewhere.
+namespace psfm {
+namespace {
+
+class RealPhotosTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        const char* folder = std::getenv("PSFM_DATASETS");
+        if (folder == nullptr)
+            GTEST_SKIP() << "PSFM_DATASETS does not name the folder of photographs";
+        folder_ = folder;
+    }
+
+    /// Few features: only the metadata are looked at.
+    PhotoMetadata metadata(const std::string& name) const {
+        FeatureOptions options;
+        options.sift.max_image_size = 128;
+        const auto photo = run_features({folder_ / name, name}, options);
+        if (!photo) {
+            ADD_FAILURE() << photo.error().message;
+            return {};
+        }
+        return photo->metadata;
+    }
+
+    std::filesystem::path folder_;
+};
+
+/// Relative error of a focal length.
+double error_of(const PhotoMetadata& metadata, double truth) {
+    return metadata.focal_px.value_or(0.0) / truth - 1.0;
+}
+
+TEST_F(RealPhotosTest, Sceaux) {
+    const PhotoMetadata photo = metadata("sceaux/images/100_7100.JPG");
+    EXPECT_EQ(photo.make, "EASTMAN KODAK COMPANY");
+    EXPECT_EQ(photo.width, 2832U);
+    // 2905.88 px is the customary value of the field; 35 mm at 35 mm equivalent gives 2865.6.
+    EXPECT_NEAR(photo.focal_px.value_or(0.0), 2865.6, 0.1);
+    EXPECT_NEAR(error_of(photo, 2905.88), -0.0139, 0.0005);
+}
+
+TEST_F(RealPhotosTest, KermitByTheFocalPlane) {
+    const PhotoMetadata photo = metadata("kermit/images/kermit000.jpg");
+    EXPECT_EQ(photo.model, "Canon PowerShot A10");
+    EXPECT_NEAR(photo.focal_px.value_or(0.0), 661.26, 0.01);
+}
+
+TEST_F(RealPhotosTest, LundHasPositions) {
+    const PhotoMetadata photo = metadata("lund/images/01.jpg");
+    EXPECT_NEAR(photo.focal_px.value_or(0.0), 1035.44, 0.01);
+    ASSERT_TRUE(photo.gps);
+    EXPECT_NEAR(photo.gps->latitude_deg, 55.698167, 1e-5);
+    EXPECT_NEAR(photo.gps->longitude_deg, 13.195389, 1e-5);
+    EXPECT_NEAR(photo.gps->altitude_m.value_or(0.0), 37.0, 1e-9);
+    EXPECT_TRUE(photo.model.empty());
+}
+
+/// The rendered scenes' 35 mm equivalents compare widths, so the diagonal rule is 3 to 4 % off at
+/// 4:3.
+TEST_F(RealPhotosTest, RenderedScenes) {
+    EXPECT_NEAR(error_of(metadata("temple-341/images/temple_0000.jpg"), 843.2), 0.0361, 0.0005);
+    EXPECT_NEAR(error_of(metadata("quad-streams/images/user1_0000.jpg"), 704.5), 0.0334, 0.0005);
+    EXPECT_NEAR(error_of(metadata("quad-streams/images/user4_0000.jpg"), 661.0), 0.0087, 0.0005);
+    EXPECT_NEAR(error_of(metadata("quad-streams/images/user7_0000.jpg"), 784.0), 0.0318, 0.0005);
+}
+
+TEST_F(RealPhotosTest, StrechaHasNoExif) {
+    const PhotoMetadata photo = metadata("strecha-half/fountain-P11/images/0000.jpg");
+    EXPECT_EQ(photo.width, 1536U);
+    EXPECT_FALSE(photo.focal_px);
+    EXPECT_TRUE(photo.make.empty());
+}
+
+}  // namespace
+}  // namespace psfm
