@@ -45,15 +45,18 @@ struct RotationAveragingOptions {
     std::uint32_t strongest_edges_per_node = 0;
     RotationNorm norm = RotationNorm::kLength;
     /// Linearisations; 0 leaves the rotations of the spanning tree. Each costs up to
-    /// max_solver_iterations. Ours: planted cases settle within 5.
+    /// max_solver_iterations. Ours: planted cases take 3 to 14.
     std::uint32_t max_iterations = 20;
     /// Ends the iterations when no rotation changes by more [deg]. Raised: coarser rotations.
-    double convergence_deg = 1e-4;
+    double convergence_deg = 0.01;
     /// Steps of the alternating direction method in one linearisation. Lowered: more
-    /// linearisations, then inexact optima. Ours, see average_rotations_test.
-    std::uint32_t max_solver_iterations = 200;
+    /// linearisations, then inexact optima. Ours: 1000 nodes with 20,000 edges, a fifth of them
+    /// wrong, take 0.23 s in all with 100, and the same with
+    /// 30 or 300.
+    std::uint32_t max_solver_iterations = 100;
     /// Linearisations with reweighted least squares after L1; 0: none, as in the paper, which needs
-    /// outliers rejected and no more. Global reconstruction refines.
+    /// outliers rejected and no more. With max_iterations 0 and Geman-McClure it refines the
+    /// spanning tree at once, which keeps folded rings open (see average_rotations_test).
     std::uint32_t refine_iterations = 0;
     RotationLoss loss = RotationLoss::kGemanMcClure;
     /// Residual from which the loss departs from least squares [deg]. Raised: outliers pull more.
