@@ -42,8 +42,8 @@ function(psfm_add_library name)
   target_link_libraries(psfm_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:psfm_flags>
                                             ${ARG_PRIVATE})
   target_compile_features(psfm_${name} PUBLIC cxx_std_20)
-  # The tests' own libraries stay here.
-  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests")
+  # What serves the tests or the program alone stays here.
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(graph|stages|storage|scheduler)")
     install(TARGETS psfm_${name} EXPORT psfmTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
   endif()
 endfunction()
