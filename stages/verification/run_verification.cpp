@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/verification/run_verification.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "stages/verification/invert_two_view_geometry.h"
+#include "stages/verification/verify_pair.h"
+
+namespace psfm {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// SplitMix64's finaliser (Steele, Lea & Flood, OOPSLA 2014).
+std::uint64_t mix(std::uint64_t x) {
+    x += 0x9e3779b97f4a7c15U;
+    x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
+    x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
+    return x ^ (x >> 31U);
+}
+
+bool comes_first(const ImageFeatures& a, const ImageFeatures& b) {
+    return std::tuple(a.content_hash, a.name_hash, a.id) <
+           std::tuple(b.content_hash, b.name_hash, b.id);
+}
+
+Result<void> check(const ImageFeatures& image) {
+    if (!image.keypoints || !image.descriptors ||
+        image.keypoints->size() != image.descriptors->rows()) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "image " + std::to_string(index_of(image.id)) +
+                         " has no features, or not one descriptor a keypoint"};
+    }
+    return {};
+}
+
+enum class Outcome { kVerified, kTooFewStrongest, kTooFewMatches, kDegenerate, kFailed };
+
+/// What came of one candidate.
+struct Attempt {
+    Outcome outcome = Outcome::kFailed;
+    VerifiedPairPtr pair;
+    Error error;
+    std::size_t putative_matches = 0;
+    double match_ms = 0.0;
+    double verify_ms = 0.0;
+};
+
+Attempt failed(Error error) {
+    Attempt attempt;
+    attempt.error = std::move(error);
+    return attempt;
+}
+
+Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& packed,
+                     ImageId candidate_id, const VerificationOptions& options) {
+    const Result<ImageFeatures> loaded = input.load(candidate_id);
+    if (!loaded) return failed(loaded.error());
+    const ImageFeatures& candidate = *loaded;
+    if (const Result<void> valid = check(candidate); !valid) return failed(valid.error());
+
+    Attempt attempt;
+    Clock::time_point start = Clock::now();
+    if (options.min_strongest_matches > 0 &&
+        count_matches_of_strongest(*candidate.descriptors, packed, options.strongest_rows,
+                                   options.match) < options.min_strongest_matches) {
+        attempt.outcome = Outcome::kTooFewStrongest;
+        attempt.match_ms = milliseconds_since(start);
+        return attempt;
+    }
+    const std::vector<FeatureMatch> matches =
+        match_descriptors(*candidate.descriptors, packed, options.match);
+    attempt.putative_matches = matches.size();
+    attempt.match_ms = milliseconds_since(start);
+
+    start = Clock::now();
+    Result<TwoViewGeometry> geometry =
+        verify_images(candidate, input.image, matches, options.verify, input.run_seed);
+    attempt.verify_ms = milliseconds_since(start);
+    if (!geometry) {
+        const ErrorCode code = geometry.error().code;
+        if (code == ErrorCode::kTooFewMatches) {
+            attempt.outcome = Outcome::kTooFewMatches;
+        } else if (code == ErrorCode::kDegenerate) {
+            attempt.outcome = Outcome::kDegenerate;
+        } else {
+            attempt.error = geometry.error();
+        }
+        return attempt;
+    }
+    VerifiedPair pair{ImagePair::of(candidate_id, input.image.id), std::move(*geometry)};
+    if (pair.pair.first != candidate_id) pair.geometry = invert(pair.geometry);
+    attempt.outcome = Outcome::kVerified;
+    attempt.pair = std::make_shared<const VerifiedPair>(std::move(pair));
+    return attempt;
+}
+
+Attempt attempt_pair_catching(const VerificationInput& input, const PackedDescriptors& packed,
+                              ImageId candidate_id, const VerificationOptions& options) {
+    try {
+        return attempt_pair(input, packed, candidate_id, options);
+    } catch (const std::exception& exception) {
+        return failed({ErrorCode::kInternal,
+                       "verifying images " + std::to_string(index_of(candidate_id)) + " and " +
+                           std::to_string(index_of(input.image.id)) + ": " + exception.what()});
+    }
+}
+
+void count(const Attempt& attempt, VerificationStatistics& statistics) {
+    ++statistics.tried;
+    statistics.putative_matches += attempt.putative_matches;
+    statistics.match_ms += attempt.match_ms;
+    statistics.verify_ms += attempt.verify_ms;
+    switch (attempt.outcome) {
+        case Outcome::kVerified:
+            ++statistics.verified;
+            statistics.inliers += attempt.pair->geometry.inliers.size();
+            break;
+        case Outcome::kTooFewStrongest:
+            ++statistics.too_few_strongest;
+            break;
+        case Outcome::kTooFewMatches:
+            ++statistics.too_few_matches;
+            break;
+        case Outcome::kDegenerate:
+            ++statistics.degenerate;
+            break;
+        case Outcome::kFailed:
+            break;
+    }
+}
+
+}  // namespace
+
+FeatureLoader loader_of(std::vector<ImageFeatures> images) {
+    auto shared = std::make_shared<const std::vector<ImageFeatures>>(std::move(images));
+    return [shared](ImageId id) -> Result<ImageFeatures> {
+        const auto found = std::ranges::find(*shared, id, &ImageFeatures::id);
+        if (found == shared->end()) {
+            return Error{ErrorCode::kNotFound,
+                         "no features of image " + std::to_string(index_of(id))};
+        }
+        return *found;
+    };
+}
+
+Result<void> validate(const VerificationOptions& options) {
+    if (const Result<void> valid = validate(options.match); !valid) return valid;
+    if (options.strongest_rows == 0) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "verification: strongest_rows must be at least 1"};
+    }
+    return validate(options.verify);
+}
+
+Result<TwoViewGeometry> verify_images(const ImageFeatures& a, const ImageFeatures& b,
+                                      std::span<const FeatureMatch> matches,
+                                      const VerifyOptions& options, std::uint64_t run_seed) {
+    const bool straight = comes_first(a, b);
+    const ImageFeatures& first = straight ? a : b;
+    const ImageFeatures& second = straight ? b : a;
+    std::vector<FeatureMatch> directed(matches.begin(), matches.end());
+    if (!straight) {
+        for (FeatureMatch& match : directed) std::swap(match.first, match.second);
+    }
+    const std::uint64_t seed = mix(mix(mix(run_seed) ^ first.content_hash) ^ second.content_hash);
+    Result<TwoViewGeometry> geometry =
+        verify_pair({*first.keypoints, *second.keypoints, first.camera, second.camera, directed},
+                    options, seed);
+    if (!geometry || straight) return geometry;
+    return invert(*geometry);
+}
+
+Result<VerificationOutput> run_verification(const VerificationInput& input,
+                                            const VerificationOptions& options) {
+    if (const Result<void> valid = validate(options); !valid) return valid.error();
+    if (const Result<void> valid = check(input.image); !valid) return valid.error();
+    std::vector<ImageId> candidates = input.candidates;
+    std::ranges::sort(candidates);
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    if (std::ranges::binary_search(candidates, input.image.id)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "image " + std::to_string(index_of(input.image.id)) + " is its own candidate"};
+    }
+    if (candidates.empty()) return VerificationOutput{};
+
+    const PackedDescriptors packed = pack(*input.image.descriptors);
+    std::vector<Attempt> attempts(candidates.size());
+    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+        attempts[i] = attempt_pair_catching(input, packed, candidates[i], options);
+    });
+
+    VerificationOutput output;
+    for (Attempt& attempt : attempts) {
+        if (attempt.outcome == Outcome::kFailed) return std::move(attempt.error);
+        count(attempt, output.statistics);
+        if (attempt.pair) output.pairs.push_back(std::move(attempt.pair));
+    }
+    std::ranges::sort(output.pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
+    return output;
+}
+
+}  // namespace psfm

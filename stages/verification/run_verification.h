@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "graph/camera.h"
+#include "graph/ids.h"
+#include "graph/image.h"
+#include "graph/result.h"
+#include "graph/two_view_geometry.h"
+#include "stages/verification/match_descriptors.h"
+#include "stages/verification/verify_options.h"
+
+namespace psfm {
+
+/// What verification needs of one image.
+/// Invariant: keypoints and descriptors are not null and have equally many rows.
+struct ImageFeatures {
+    ImageId id{};
+    Camera camera;
+    std::uint64_t content_hash =
+        0;  ///< decides the direction and the seed, whatever the arrival order
+    std::uint64_t name_hash = 0;  ///< decides between equal content hashes
+    std::shared_ptr<const Keypoints> keypoints;
+    std::shared_ptr<const Descriptors> descriptors;
+};
+
+/// Gives a candidate's features when its turn comes, so that not all of them are in memory at once.
+/// Called from several threads at the same time.
+using FeatureLoader = std::function<Result<ImageFeatures>(ImageId)>;
+
+/// A loader of features that are in memory already.
+FeatureLoader loader_of(std::vector<ImageFeatures> images);
+
+struct VerificationInput {
+    ImageFeatures image;              ///< the new image
+    std::vector<ImageId> candidates;  ///< other images, in any order; repeated ones count once
+    FeatureLoader load;
+    std::uint64_t run_seed = 0;
+};
+
+struct VerificationOptions {
+    MatchOptions match;
+    VerifyOptions verify;
+    /// Rows compared by the cheap test below [features of largest scale]. Raised: the test costs
+    /// more (quadratic); lowered: it loses pairs. Source: ours, see docs/matching.md.
+    std::size_t strongest_rows = 1024;
+    /// Fewest matches among the strongest features for a full match; 0: every candidate is matched
+    /// fully. Raised: faster, and pairs with little overlap are lost. Source: recall first.
+    std::size_t min_strongest_matches = 0;
+};
+
+Result<void> validate(const VerificationOptions& options);
+
+struct VerificationStatistics {
+    std::size_t tried = 0;  ///< candidates
+    std::size_t verified = 0;
+    std::size_t too_few_strongest = 0;  ///< left out by min_strongest_matches
+    std::size_t too_few_matches = 0;
+    std::size_t degenerate = 0;  ///< no geometry that enough matches agree with
+    std::size_t putative_matches = 0;
+    std::size_t inliers = 0;
+    double match_ms = 0.0;   ///< sum over pairs, not wall time
+    double verify_ms = 0.0;  ///< likewise
+};
+
+struct VerificationOutput {
+    std::vector<VerifiedPairPtr> pairs;  ///< ascending by pair
+    VerificationStatistics statistics;
+};
+
+/// Stage: one image against its candidates, pairs in parallel (TBB).
+/// A pair's result depends on the two images' contents and cameras and on run_seed only: it is
+/// verified in the direction of ascending content hash, then turned into the order of ids. Any
+/// arrival order and any number of threads give the same pairs, poses inverted where ids are
+/// exchanged. A pair that fails is counted, and is no error.
+/// @errors kInvalidArgument (options, null or unequal features, a candidate equal to the image),
+/// and
+///   whatever the loader reports for the candidate of smallest id; kInternal (an exception)
+Result<VerificationOutput> run_verification(const VerificationInput& input,
+                                            const VerificationOptions& options);
+
+/// The part of it for one pair with its matches, "1" being `a`; for matches that come from
+/// elsewhere.
+/// @param matches  first: feature of a, second: feature of b
+/// @return geometry in the order (a, b);  @errors as verify_pair
+/// Swapping a and b gives exactly the inverted geometry. Thread-safe.
+Result<TwoViewGeometry> verify_images(const ImageFeatures& a, const ImageFeatures& b,
+                                      std::span<const FeatureMatch> matches,
+                                      const VerifyOptions& options, std::uint64_t run_seed);
+
+}  // namespace psfm

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/verification/verify_options.h"
+
+namespace psfm {
+namespace {
+
+bool is_share(double value) {
+    return value > 0.0 && value <= 1.0;
+}
+
+Error invalid(const char* message) {
+    return {ErrorCode::kInvalidArgument, message};
+}
+
+}  // namespace
+
+Result<void> validate(const VerifyOptions& options) {
+    if (!(options.max_error_px > 0.0)) return invalid("verification: max_error_px must be above 0");
+    if (!(options.refine_loss_px > 0.0))
+        return invalid("verification: refine_loss_px must be above 0");
+    if (options.min_inliers < 8) return invalid("verification: min_inliers must be at least 8");
+    if (!(options.min_inlier_ratio >= 0.0 && options.min_inlier_ratio <= 1.0)) {
+        return invalid("verification: min_inlier_ratio must be in [0, 1]");
+    }
+    if (!is_share(options.homography_ratio) || !is_share(options.rotation_ratio)) {
+        return invalid("verification: homography_ratio and rotation_ratio must be in (0, 1]");
+    }
+    if (!(options.confidence > 0.0 && options.confidence < 1.0)) {
+        return invalid("verification: confidence must be in (0, 1)");
+    }
+    if (options.max_iterations < 1)
+        return invalid("verification: max_iterations must be at least 1");
+    return {};
+}
+
+}  // namespace psfm

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/verification/verify_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "stages/verification/decompose_two_view.h"
+#include "stages/verification/estimate_two_view.h"
+#include "stages/verification/fit_two_view.h"
+
+namespace psfm {
+namespace {
+
+/// Fewest inliers that verify a pair of this many matches.
+std::size_t required_inliers(std::size_t matches, const VerifyOptions& options) {
+    const double share = std::ceil(options.min_inlier_ratio * static_cast<double>(matches));
+    return std::max(static_cast<std::size_t>(options.min_inliers), static_cast<std::size_t>(share));
+}
+
+/// Iterations after which a pair that has the required inliers would have been found.
+RobustOptions robust_options(std::size_t matches, int sample_size, const VerifyOptions& options) {
+    const double ratio =
+        static_cast<double>(required_inliers(matches, options)) / static_cast<double>(matches);
+    const double clean = std::clamp(std::pow(ratio, sample_size), 1e-12, 1.0 - 1e-9);
+    const double needed = std::ceil(std::log(1.0 - options.confidence) / std::log1p(-clean));
+    const double iterations = std::clamp(needed, 1.0, static_cast<double>(options.max_iterations));
+    return {options.max_error_px, options.confidence, static_cast<int>(iterations)};
+}
+
+std::optional<TwoViewModel> fit_general(const TwoViewProblem& problem, const VerifyOptions& options,
+                                        std::uint64_t seed) {
+    const std::size_t count = problem.matches.size();
+    if (problem.calibrated) {
+        const auto essential = estimate_essential(problem.pixels, problem.intrinsics,
+                                                  robust_options(count, 5, options), seed);
+        if (!essential) return std::nullopt;
+        return fit_essential(problem, *essential, options);
+    }
+    const auto fundamental =
+        estimate_fundamental(problem.pixels, robust_options(count, 7, options), seed);
+    if (!fundamental) return std::nullopt;
+    return fit_fundamental(problem, *fundamental, options);
+}
+
+bool explains(const RobustModel& homography, const std::optional<TwoViewModel>& general,
+              const VerifyOptions& options) {
+    const std::size_t inliers = general ? general->inliers.size() : 0;
+    return static_cast<double>(homography.inliers.size()) >=
+           options.homography_ratio * static_cast<double>(inliers);
+}
+
+Error too_few(std::size_t count, std::size_t required) {
+    return {ErrorCode::kTooFewMatches, std::to_string(count) + " matches, and at least " +
+                                           std::to_string(required) + " are needed"};
+}
+
+Error degenerate(std::size_t inliers, std::size_t matches, std::size_t required) {
+    return {ErrorCode::kDegenerate, std::to_string(inliers) + " of " + std::to_string(matches) +
+                                        " matches agree on a geometry, and " +
+                                        std::to_string(required) + " are needed"};
+}
+
+TwoViewGeometry geometry_of(const TwoViewProblem& problem, const TwoViewModel& model) {
+    TwoViewGeometry geometry;
+    geometry.kind = model.kind;
+    geometry.matrix = model.matrix;
+    geometry.cam2_from_cam1 = model.cam2_from_cam1;
+    geometry.inliers = feature_matches(problem, model.inliers);
+    if (model.kind != TwoViewKind::kPureRotation) {
+        geometry.median_angle_deg = median_triangulation_angle_deg(
+            model.cam2_from_cam1, select(problem.normalized, model.inliers));
+    }
+    return geometry;
+}
+
+}  // namespace
+
+Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& options,
+                                    std::uint64_t seed) {
+    if (const Result<void> valid = validate(options); !valid) return valid.error();
+    const Result<TwoViewProblem> made = make_two_view_problem(views, options.max_error_px);
+    if (!made) return made.error();
+    const TwoViewProblem& problem = *made;
+    const std::size_t count = problem.matches.size();
+    const auto fewest = static_cast<std::size_t>(options.min_inliers);
+    if (count < fewest) return too_few(count, fewest);
+    const std::size_t required = required_inliers(count, options);
+
+    std::optional<TwoViewModel> model = fit_general(problem, options, seed);
+    const auto homography =
+        estimate_homography(problem.pixels, robust_options(count, 4, options), seed);
+    if (homography && homography->inliers.size() >= required &&
+        explains(*homography, model, options)) {
+        model = fit_homography(problem, *homography, model, options);
+    }
+    if (!model) return degenerate(0, count, required);
+    TwoViewGeometry geometry = geometry_of(problem, *model);
+    if (geometry.inliers.size() < required)
+        return degenerate(geometry.inliers.size(), count, required);
+    return geometry;
+}
+
+Result<TwoViewGeometry> with_intrinsics(const TwoViewGeometry& geometry, const MatchedViews& views,
+                                        const VerifyOptions& options) {
+    if (const Result<void> valid = validate(options); !valid) return valid.error();
+    MatchedViews inliers_only = views;
+    inliers_only.matches = geometry.inliers;
+    const Result<TwoViewProblem> made = make_two_view_problem(inliers_only, options.max_error_px);
+    if (!made) return made.error();
+    const TwoViewProblem& problem = *made;
+    const auto fewest = static_cast<std::size_t>(options.min_inliers);
+    if (problem.matches.size() < fewest) return too_few(problem.matches.size(), fewest);
+
+    RobustModel stored{geometry.matrix, {}};
+    for (std::uint32_t i = 0; i < problem.matches.size(); ++i) stored.inliers.push_back(i);
+    const IntrinsicPair& k = problem.intrinsics;
+    TwoViewModel model;
+    switch (geometry.kind) {
+        case TwoViewKind::kEssential:
+            model = fit_pose(problem, geometry.cam2_from_cam1, stored.inliers, options);
+            break;
+        case TwoViewKind::kFundamental:
+            if (problem.calibrated) {
+                stored.matrix = k.k2.transpose() * geometry.matrix * k.k1;
+                model = fit_essential(problem, stored, options);
+            } else {
+                model = fit_fundamental(problem, stored, options);
+            }
+            break;
+        case TwoViewKind::kPlanar:
+        case TwoViewKind::kPureRotation:
+            model = fit_homography(problem, stored, std::nullopt, options);
+            break;
+    }
+    TwoViewGeometry seen = geometry_of(problem, model);
+    if (seen.inliers.size() < fewest)
+        return degenerate(seen.inliers.size(), problem.matches.size(), fewest);
+    return seen;
+}
+
+}  // namespace psfm
