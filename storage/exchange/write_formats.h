@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Internal to storage/exchange: one writer a format. Each stages the files of one model; `place` is
+// the file or folder of the model without ending. Errors of all: kInvalidArgument (a name that the
+// format cannot hold, with the format that can), kNoSpace, kIo.
+
+#include <filesystem>
+
+#include "storage/exchange/exported_model.h"
+#include "storage/exchange/staged_files.h"
+
+namespace psfm {
+
+/// cameras.bin, images.bin and points3D.bin of COLMAP 3.8 (src/base/reconstruction.cc).
+Result<void> stage_colmap_binary(const ExportedModel& model, const std::filesystem::path& place,
+                                 StagedFiles& files);
+
+/// cameras.txt, images.txt and points3D.txt of COLMAP 3.8. Names with spaces are refused: COLMAP
+/// would read their first word.
+Result<void> stage_colmap_text(const ExportedModel& model, const std::filesystem::path& place,
+                               StagedFiles& files);
+
+enum class PlyContents { kPoints, kPointsAndCameras };
+
+/// PLACE.ply, binary little-endian: vertices with x y z (float) and red green blue; after the
+/// points the camera centres, in pure green.
+Result<void> stage_ply(const ExportedModel& model, const std::filesystem::path& place,
+                       PlyContents contents, StagedFiles& files);
+
+/// PLACE.nvm (VisualSFM's NVM_V3): one focal length, one radial parameter. Measurements are
+/// relative to the principal point. NVM distorts the other way round, so its parameter is -k1,
+/// exact to first order as in COLMAP's export; further distortion and the difference of fx and fy
+/// are lost.
+Result<void> stage_nvm(const ExportedModel& model, const std::filesystem::path& place,
+                       StagedFiles& files);
+
+/// PLACE/bundle.out (Bundler v0.3) and PLACE/list.txt. Cameras look down their negative z axis,
+/// image y points up. Tangential distortion and the difference of fx and fy are lost.
+Result<void> stage_bundler(const ExportedModel& model, const std::filesystem::path& place,
+                           StagedFiles& files);
+
+/// PLACE/transforms.json (nerfstudio, instant-ngp) and PLACE/sparse_pc.ply. Poses are
+/// world_from_camera with OpenGL's camera axes; the world is left as it is. Photographs are named
+/// by their full path when the folder is given, else by their relative name.
+Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem::path& place,
+                              const std::filesystem::path& photo_folder, StagedFiles& files);
+
+/// PLACE.gltf and PLACE.bin (glTF 2.0): the points as a mesh of POINTS, every image as a node with
+/// a perspective camera; lens distortion and the offset of the principal point have no place in
+/// glTF.
+Result<void> stage_gltf(const ExportedModel& model, const std::filesystem::path& place,
+                        StagedFiles& files);
+
+}  // namespace psfm

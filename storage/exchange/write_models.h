@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "graph/result.h"
+#include "storage/exchange/export_models.h"
+#include "storage/exchange/exported_model.h"
+
+namespace psfm {
+
+/// What a model can be written as. N below counts models (effective clusters, largest first) from
+/// 0.
+enum class ExportFormat {
+    kColmap,      ///< "colmap": DIR/N/{cameras,images,points3D}.bin
+    kColmapText,  ///< "colmap-text": DIR/N/{cameras,images,points3D}.txt
+    kPly,         ///< "ply": DIR/N.ply, coloured points and camera centres
+    kNvm,         ///< "nvm": DIR/N.nvm (VisualSFM)
+    kBundler,     ///< "bundler": DIR/N/bundle.out and list.txt (Bundler v0.3)
+    kNerfstudio,  ///< "nerfstudio": DIR/N/transforms.json (also instant-ngp) and sparse_pc.ply
+    kGltf,        ///< "gltf": DIR/N.gltf and N.bin (glTF 2.0)
+};
+
+/// Names as on the command line, in the order of ExportFormat.
+std::span<const std::string_view> export_format_names();
+std::optional<ExportFormat> export_format_from_name(std::string_view name);
+
+/// What a format makes of features: those without 2D observations need their colours only.
+FeatureUse feature_use(ExportFormat format);
+
+struct WriteModelsOptions {
+    /// Where the photographs are, for formats that refer to them by path (nerfstudio). Empty: names
+    /// only.
+    std::filesystem::path photo_folder;
+};
+
+/// Writes models into a folder, which is made if need be. All files appear together at the end, so
+/// that a failure leaves no half-written file and an earlier export as it was. Files of an earlier
+/// export that would be taken for part of this one (further models, COLMAP's other encoding) are
+/// removed; such files of anybody else stop the export, and nothing else in the folder is touched.
+/// The file `.psfm-export` in the folder lists what is psfm's.
+/// @return one path a model: its folder, or its file
+/// @errors kInvalidArgument (a name that the format cannot hold, a file of somebody else in the
+/// way),
+///         kUnreadable (.psfm-export), kNoSpace, kIo; all with the path
+Result<std::vector<std::filesystem::path>> write_models(std::span<const ExportedModel> models,
+                                                        ExportFormat format,
+                                                        const std::filesystem::path& folder,
+                                                        const WriteModelsOptions& options = {});
+
+}  // namespace psfm

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/exchange/write_models.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "storage/exchange/read_colmap.h"
+#include "tests/storage/exchange/example_model.h"
+#include "tests/storage/exchange/models_equal.h"
+
+namespace psfm {
+namespace {
+
+using test::example_model;
+
+std::vector<ExportedModel> example_models(std::size_t count) {
+    std::vector<ExportedModel> models;
+    for (std::size_t i = 0; i < count; ++i) models.push_back(example_model(5, 20, i + 1));
+    return models;
+}
+
+TEST(WriteModels, NamesAndBack) {
+    for (const std::string_view name : export_format_names()) {
+        EXPECT_TRUE(export_format_from_name(name).has_value());
+    }
+    EXPECT_EQ(export_format_from_name("nerfstudio"), ExportFormat::kNerfstudio);
+    EXPECT_EQ(export_format_from_name("gltf"), ExportFormat::kGltf);
+    EXPECT_FALSE(export_format_from_name("obj").has_value());
+}
+
+TEST(WriteModels, NothingButTheFormatsFilesIsLeft) {
+    const std::array<std::size_t, 7> files_each{3, 3, 1, 1, 2, 2, 2};
+    for (std::size_t i = 0; i < files_each.size(); ++i) {
+        const test::TemporaryFolder folder;
+        const auto written = write_models(example_models(3), static_cast<ExportFormat>(i),
+                                          folder.path() / "new" / "deep");
+        ASSERT_TRUE(written.ok()) << written.error().message;
+        EXPECT_EQ(written->size(), 3U);
+        for (const auto& path : *written) EXPECT_TRUE(std::filesystem::exists(path)) << path;
+        EXPECT_EQ(test::count_files(folder.path()), 3 * files_each.at(i) + 1);  // and .psfm-export
+    }
+}
+
+TEST(WriteModels, LaterExportReplacesTheEarlierOneWhole) {
+    const test::TemporaryFolder folder;
+    test::put_file(folder.path() / "notes.txt", "mine");
+    test::put_file(folder.path() / "1" / "mine.txt", "mine");
+    ASSERT_TRUE(write_models(example_models(3), ExportFormat::kColmapText, folder.path()).ok());
+    const auto models = example_models(1);
+    ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path()).ok());
+    EXPECT_EQ(find_colmap_models(folder.path())->size(), 1U);
+    test::expect_equal(*read_colmap_model(folder.path() / "0"), models[0]);
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "0" / "images.txt"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "2"));
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "1" / "mine.txt"));
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "notes.txt"));
+    // Another format beside it leaves it alone.
+    ASSERT_TRUE(write_models(models, ExportFormat::kPly, folder.path()).ok());
+    ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path()).ok());
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "0.ply"));
+}
+
+TEST(WriteModels, ModelsOfOthersAreNotTouched) {
+    const auto models = example_models(1);
+    for (const char* theirs : {"0/images.bin", "0/images.txt", "1/cameras.bin"}) {
+        const test::TemporaryFolder folder;
+        test::put_file(folder.path() / theirs, "theirs");
+        test::put_file(folder.path() / "0" / "x", "");
+        const auto written = write_models(models, ExportFormat::kColmap, folder.path());
+        ASSERT_FALSE(written.ok());
+        EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(written.error().message.find(theirs), std::string::npos)
+            << written.error().message;
+        EXPECT_EQ(test::file_bytes(folder.path() / theirs), "theirs");
+        EXPECT_EQ(test::count_files(folder.path()), 2U);
+    }
+}
+
+TEST(WriteModels, FullDiskLeavesTheEarlierExportAsItWas) {
+    const test::TemporaryFolder folder;
+    const auto earlier = example_models(1);
+    ASSERT_TRUE(write_models(earlier, ExportFormat::kColmap, folder.path()).ok());
+    const std::size_t files = test::count_files(folder.path());
+    // The second file's temporary goes to a device that is always full.
+    std::filesystem::create_symlink("/dev/full", folder.path() / "0" / "images.bin.partial");
+    const auto failed = write_models(example_models(2), ExportFormat::kColmap, folder.path());
+    ASSERT_FALSE(failed.ok());
+    EXPECT_EQ(failed.error().code, ErrorCode::kNoSpace);
+    EXPECT_NE(failed.error().message.find("0/images.bin"), std::string::npos)
+        << failed.error().message;
+    EXPECT_EQ(test::count_files(folder.path()), files);
+    test::expect_equal(*read_colmap_model(folder.path() / "0"), earlier[0]);
+}
+
+TEST(WriteModels, OutputThatCannotBeAFolder) {
+    const test::TemporaryFolder folder;
+    test::put_file(folder.path() / "file", "x");
+    const auto models = example_models(1);
+    EXPECT_EQ(write_models(models, ExportFormat::kPly, folder.path() / "file").error().code,
+              ErrorCode::kInvalidArgument);
+    EXPECT_EQ(
+        write_models(models, ExportFormat::kPly, folder.path() / "file" / "below").error().code,
+        ErrorCode::kIo);
+    EXPECT_EQ(test::count_files(folder.path()), 1U);
+}
+
+TEST(WriteModels, FolderWithoutPermission) {
+    if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+    const test::TemporaryFolder folder;
+    std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read);
+    const auto written = write_models(example_models(1), ExportFormat::kPly, folder.path() / "x");
+    std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
+    ASSERT_FALSE(written.ok());
+    EXPECT_EQ(written.error().code, ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace psfm

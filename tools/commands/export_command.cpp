@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "storage/exchange/export_models.h"
+#include "storage/exchange/write_models.h"
+#include "storage/session_store.h"
+#include "tools/commands/commands.h"
+#include "tools/commands/report_error.h"
+
+namespace psfm {
+namespace {
+
+struct ExportArguments {
+    std::string session;
+    std::string format;
+    std::string output;
+    std::optional<std::uint32_t> after_image;
+};
+
+Result<Scene> scene_to_export(const SessionReader& session, const ExportArguments& arguments) {
+    return arguments.after_image ? session.scene_after(*arguments.after_image) : session.scene();
+}
+
+Error no_model(const ExportArguments& arguments, std::size_t waiting) {
+    const std::string when =
+        arguments.after_image ? "had no model after image " + std::to_string(*arguments.after_image)
+                              : std::string("has no model yet");
+    return {ErrorCode::kNotFound, arguments.session + ": the session " + when + ": " +
+                                      std::to_string(waiting) +
+                                      " images waiting; `psfm status` says why"};
+}
+
+void print_summary(const std::vector<ExportedModel>& models,
+                   const std::vector<std::filesystem::path>& written) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        std::cout << written[i].string() << ": " << models[i].images.size() << " images, "
+                  << models[i].points.size() << " points\n";
+    }
+    std::cout << std::flush;
+}
+
+int run_export(const ExportArguments& arguments) {
+    const auto format = export_format_from_name(arguments.format);
+    if (!format) return 2;  // the option's check has refused it already
+    const auto session = open_session_reader(arguments.session, StoreOptions{});
+    if (!session) return report_error(session.error());
+    const auto scene = scene_to_export(**session, arguments);
+    if (!scene) return report_error(scene.error());
+    const auto images = (*session)->images();
+    if (!images) return report_error(images.error());
+    const auto settings = (*session)->settings();
+    if (!settings) return report_error(settings.error());
+
+    const auto models = export_models(
+        *scene, *images, [&](ImageId image) { return (*session)->keypoints(image); },
+        feature_use(*format));
+    if (!models) return report_error(models.error());
+    if (models->empty()) return report_error(no_model(arguments, scene->image_count));
+    const bool any_points = std::ranges::any_of(
+        *models, [](const ExportedModel& model) { return !model.points.empty(); });
+    if (!any_points) {
+        std::cerr
+            << "psfm: only poses of this version are kept, so the export has no points; a session "
+               "made with --history full keeps them\n";
+    }
+    const auto written =
+        write_models(*models, *format, arguments.output, {.photo_folder = settings->photo_folder});
+    if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
+    print_summary(*models, *written);
+    return 0;
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app, int& exit_code) {
+    CLI::App* command =
+        app.add_subcommand("export", "Write the model of a session for other programs");
+    const auto arguments = std::make_shared<ExportArguments>();
+    command
+        ->add_option("--session", arguments->session, "the session; it may be in use by `psfm run`")
+        ->required()
+        ->type_name("DIR");
+    const auto names = export_format_names();
+    command->add_option("--format", arguments->format, "what to write")
+        ->required()
+        ->type_name("FORMAT")
+        ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+    command->add_option("--output", arguments->output, "folder to write into; made if need be")
+        ->required()
+        ->type_name("DIR");
+    command
+        ->add_option("--after-image", arguments->after_image,
+                     "the model as it was after this many images, instead of the latest one")
+        ->check(CLI::PositiveNumber)
+        ->type_name("N");
+    command->footer(
+        "One model an effective cluster, largest first:\n"
+        "  colmap, colmap-text  OUTPUT/0, OUTPUT/1, ...: open them with COLMAP and its friends\n"
+        "  ply                  OUTPUT/0.ply, ...: coloured points, camera centres in green\n"
+        "  nvm                  OUTPUT/0.nvm, ...: VisualSFM and many multi-view stereo programs\n"
+        "  bundler              OUTPUT/0/bundle.out and list.txt, ...\n"
+        "  nerfstudio           OUTPUT/0/transforms.json and sparse_pc.ply, ...: also instant-ngp\n"
+        "  gltf                 OUTPUT/0.gltf and 0.bin, ...: Blender and web viewers\n"
+        "An earlier export in the same folder is replaced as a whole; other files there are left "
+        "alone.\n"
+        "\n"
+        "Examples:\n"
+        "  psfm export --session my-session --format colmap --output exported\n"
+        "  psfm export --session my-session --format ply --output early --after-image 20");
+    command->callback([arguments, &exit_code] { exit_code = run_export(*arguments); });
+}
+
+}  // namespace psfm
