@@ -102,8 +102,10 @@ Result<SiftFeatures> extract_sift(const cv::Mat& grey, const cv::Mat& colour,
     }
     try {
         const DetectionImage image = reduce(grey, options.max_image_size);
+        const int candidates =
+            static_cast<int>(options.max_features * options.candidates_per_feature);
         const cv::Ptr<cv::SIFT> detector =
-            cv::SIFT::create(0, options.octave_layers, options.contrast_threshold,
+            cv::SIFT::create(candidates, options.octave_layers, options.contrast_threshold,
                              options.edge_threshold, options.sigma, CV_32F);
         std::vector<cv::KeyPoint> found;
         cv::Mat sift;

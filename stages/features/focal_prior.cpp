@@ -11,6 +11,7 @@
 namespace psfm {
 namespace {
 
+constexpr double kFilmWidthMm = 36.0;
 const double kFilmDiagonalMm = std::hypot(36.0, 24.0);
 
 /// The exposure that a photograph comes from.
@@ -31,10 +32,13 @@ Original original_of(const ExifTags& tags, double width, double height) {
             std::max(width / original_width, height / original_height)};
 }
 
-std::optional<double> from_film_equivalent(const ExifTags& tags, const Original& original) {
+std::optional<double> from_film_equivalent(const ExifTags& tags, const Original& original,
+                                           FilmEquivalent film) {
     if (!tags.focal_35mm) return std::nullopt;
-    return *tags.focal_35mm * std::hypot(original.width, original.height) / kFilmDiagonalMm *
-           original.scale;
+    const double per_film_mm = film == FilmEquivalent::kLongSide
+                                   ? std::max(original.width, original.height) / kFilmWidthMm
+                                   : std::hypot(original.width, original.height) / kFilmDiagonalMm;
+    return *tags.focal_35mm * per_film_mm * original.scale;
 }
 
 std::optional<double> from_focal_plane(const ExifTags& tags, const Original& original) {
@@ -68,13 +72,15 @@ bool is_possible(double focal_px, double width, double height) {
 }  // namespace
 
 std::optional<double> focal_prior_px(const ExifTags& tags, std::uint32_t width,
-                                     std::uint32_t height) {
+                                     std::uint32_t height, FilmEquivalent film) {
     if (width == 0 || height == 0) return std::nullopt;
     const Original original = original_of(tags, width, height);
-    for (const auto source : {from_film_equivalent, from_focal_plane, from_lensfun}) {
-        const std::optional<double> focal_px = source(tags, original);
-        if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
-    }
+    auto focal_px = from_film_equivalent(tags, original, film);
+    if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
+    focal_px = from_focal_plane(tags, original);
+    if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
+    focal_px = from_lensfun(tags, original);
+    if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
     return std::nullopt;
 }
 

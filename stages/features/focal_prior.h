@@ -5,15 +5,14 @@
 #include <cstdint>
 #include <optional>
 
+#include "stages/features/feature_options.h"
 #include "stages/features/read_exif.h"
 
 namespace psfm {
 
 /// Focal length [px] of a photograph of the given size from its EXIF data. In this order, the first
 /// one that gives a possible value:
-///  1. FocalLengthIn35mmFilm, read as equal diagonal angles of view: the film's diagonal is
-///  hypot(36, 24) mm
-///     (CIPA DCG-001; cameras keep to it, some programs compare widths instead, 4 % off at 4:3);
+///  1. FocalLengthIn35mmFilm, compared with film of 36 x 24 mm as `film` says;
 ///  2. FocalLength and FocalPlaneXResolution;
 ///  3. FocalLength and the crop factor that Lensfun knows for make and model.
 /// A photograph that was reduced, cropped or turned after the exposure is taken care of where EXIF
@@ -22,6 +21,6 @@ namespace psfm {
 /// @return nothing when EXIF does not tell, or tells the impossible
 /// Thread-safe.
 std::optional<double> focal_prior_px(const ExifTags& tags, std::uint32_t width,
-                                     std::uint32_t height);
+                                     std::uint32_t height, FilmEquivalent film);
 
 }  // namespace psfm

@@ -80,12 +80,12 @@ Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& 
         Result<HeifPhoto> heif = decode_heif(bytes, options.max_megapixels * 1e6);
         if (!heif) return unreadable(photo, heif.error().message);
         result.colour = heif->colour;
-        result.exif = std::move(heif->exif);
+        result.exif = read_exif(heif->exif);
     } else {
         Result<cv::Mat> pixels = decode_pixels(bytes, *format);
         if (!pixels) return unreadable(photo, pixels.error().message);
         result.colour = *pixels;
-        result.exif.assign(container.exif.begin(), container.exif.end());
+        result.exif = read_exif(container.exif);
     }
     // Again: not every header told the size.
     const PhotoSize size{static_cast<std::uint64_t>(result.colour.cols),

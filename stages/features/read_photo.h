@@ -4,12 +4,12 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
-#include <vector>
 
 #include "graph/result.h"
 #include "stages/features/feature_options.h"
 #include "stages/features/photo_container.h"
 #include "stages/features/photo_file.h"
+#include "stages/features/read_exif.h"
 
 namespace psfm {
 
@@ -18,7 +18,7 @@ struct DecodedPhoto {
     cv::Mat colour;  ///< 8-bit BGR on the stored pixel grid (EXIF orientation not applied)
     cv::Mat grey;    ///< 8-bit, ITU-R BT.601 luma
     std::uint64_t content_hash = 0;  ///< xxHash64, seed 0, of the file's bytes
-    std::vector<std::uint8_t> exif;  ///< TIFF structure of the EXIF data, or empty
+    ExifTags exif;                   ///< empty when there are none
     PhotoFormat format = PhotoFormat::kJpeg;
 };
 

@@ -9,22 +9,21 @@
 
 #include "stages/features/extract_sift.h"
 #include "stages/features/focal_prior.h"
-#include "stages/features/read_exif.h"
 #include "stages/features/read_photo.h"
 #include "stages/features/text.h"
 
 namespace psfm {
 namespace {
 
-PhotoMetadata make_metadata(const DecodedPhoto& photo) {
-    const ExifTags tags = read_exif(photo.exif);
+PhotoMetadata make_metadata(const DecodedPhoto& photo, FilmEquivalent film) {
+    const ExifTags& tags = photo.exif;
     PhotoMetadata metadata;
     metadata.width = static_cast<std::uint32_t>(photo.colour.cols);
     metadata.height = static_cast<std::uint32_t>(photo.colour.rows);
     metadata.content_hash = photo.content_hash;
     metadata.make = tags.make;
     metadata.model = tags.model;
-    metadata.focal_px = focal_prior_px(tags, metadata.width, metadata.height);
+    metadata.focal_px = focal_prior_px(tags, metadata.width, metadata.height, film);
     metadata.focal_mm = tags.focal_mm;
     // HEIF pictures come upright; see decode_heif().
     metadata.orientation = photo.format == PhotoFormat::kHeif ? std::uint8_t{1} : tags.orientation;
@@ -41,8 +40,8 @@ Result<ExtractedPhoto> extract(const PhotoFile& photo, const FeatureOptions& opt
         return Error{features.error().code,
                      printable(photo.name) + ": " + features.error().message};
     }
-    return ExtractedPhoto{make_metadata(*decoded), std::move(features->keypoints),
-                          std::move(features->descriptors)};
+    return ExtractedPhoto{make_metadata(*decoded, options.film_equivalent),
+                          std::move(features->keypoints), std::move(features->descriptors)};
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST(DecodeHeifTest, ReadsPixelsAndExif) {
     cv::Mat grey;
     cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     EXPECT_LT(cv::norm(photo->grey, grey, cv::NORM_L1) / static_cast<double>(grey.total()), 4.0);
-    EXPECT_EQ(photo->exif, Bytes(blob.begin(), blob.end()));
+    EXPECT_EQ(photo->exif.make, "Heif Maker");
 }
 
 TEST(DecodeHeifTest, RefusesDamageAndSize) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
@@ -73,16 +74,27 @@ TEST(ExtractSiftTest, RepeatsItself) {
     EXPECT_EQ(first.descriptors, second.descriptors);
 }
 
-TEST(ExtractSiftTest, CutsToTheLargest) {
+TEST(ExtractSiftTest, CutsToTheLargestOfTheCandidates) {
     const cv::Mat image = textured_image(320, 240);
     const SiftFeatures all = extract(image);
     SiftOptions options;
     options.max_features = 50;
-    const SiftFeatures cut = extract(image, options);
-    ASSERT_EQ(cut.keypoints.size(), 50U);
-    EXPECT_TRUE(std::equal(cut.keypoints.begin(), cut.keypoints.end(), all.keypoints.begin()));
-    EXPECT_TRUE(std::equal(cut.descriptors.values.begin(), cut.descriptors.values.end(),
+    options.candidates_per_feature = 100.0;
+    const SiftFeatures largest = extract(image, options);
+    ASSERT_EQ(largest.keypoints.size(), 50U);
+    EXPECT_TRUE(
+        std::equal(largest.keypoints.begin(), largest.keypoints.end(), all.keypoints.begin()));
+    EXPECT_TRUE(std::equal(largest.descriptors.values.begin(), largest.descriptors.values.end(),
                            all.descriptors.values.begin()));
+    // With fewer candidates some of the largest are missing, but all belong to the whole.
+    options.candidates_per_feature = 2.0;
+    const SiftFeatures strong = extract(image, options);
+    ASSERT_EQ(strong.keypoints.size(), 50U);
+    EXPECT_LT(strong.keypoints.back().scale, largest.keypoints.back().scale);
+    for (const Keypoint& keypoint : strong.keypoints) {
+        EXPECT_NE(std::find(all.keypoints.begin(), all.keypoints.end(), keypoint),
+                  all.keypoints.end());
+    }
 }
 
 TEST(ExtractSiftTest, AnglesTurnWithTheImage) {
@@ -108,9 +120,8 @@ TEST(ExtractSiftTest, AnglesTurnWithTheImage) {
     EXPECT_GT(found, before.keypoints.size() * 8 / 10);
 }
 
-/// The contrast threshold means what COLMAP's peak_threshold does: an ideal blob of amplitude A
-/// (grey 0 … 1) has an extremum of the difference of Gaussians, k = 2^(1/3), of about A (k^2 - 1) /
-/// (...): found by rendering blobs of growing amplitude and asking for the first that is found.
+/// The contrast threshold means what COLMAP's peak_threshold does: an extremum of the difference of
+/// Gaussians counts when it is above threshold / octave_layers, grey values from 0 to 1.
 TEST(ExtractSiftTest, ContrastThresholdIsPerOctave) {
     const auto is_found = [](double amplitude, double threshold) {
         cv::Mat values(129, 129, CV_64F);

@@ -13,20 +13,31 @@ namespace {
 
 const double kFilmDiagonal = std::hypot(36.0, 24.0);
 
+std::optional<double> prior(const ExifTags& tags, std::uint32_t width, std::uint32_t height) {
+    return focal_prior_px(tags, width, height, FilmEquivalent::kDiagonal);
+}
+
 TEST(FocalPriorTest, FilmEquivalentComparesDiagonals) {
     ExifTags tags;
     tags.focal_35mm = 35.0;
-    EXPECT_NEAR(focal_prior_px(tags, 2832, 2128).value(),
-                35.0 * std::hypot(2832, 2128) / kFilmDiagonal, 1e-9);
+    EXPECT_NEAR(prior(tags, 2832, 2128).value(), 35.0 * std::hypot(2832, 2128) / kFilmDiagonal,
+                1e-9);
     // 3:2 photographs: the same as comparing widths.
-    EXPECT_NEAR(focal_prior_px(tags, 3600, 2400).value(), 3500.0, 1e-9);
+    EXPECT_NEAR(prior(tags, 3600, 2400).value(), 3500.0, 1e-9);
+}
+
+TEST(FocalPriorTest, FilmEquivalentMayCompareTheLongSide) {
+    ExifTags tags;
+    tags.focal_35mm = 28.0;
+    EXPECT_NEAR(focal_prior_px(tags, 900, 675, FilmEquivalent::kLongSide).value(), 700.0, 1e-9);
+    EXPECT_NEAR(focal_prior_px(tags, 675, 900, FilmEquivalent::kLongSide).value(), 700.0, 1e-9);
 }
 
 TEST(FocalPriorTest, FocalPlaneResolution) {
     ExifTags tags;
     tags.focal_mm = 5.40625;
     tags.focal_plane_x_per_mm = 640000.0 / 206.0 / 25.4;
-    EXPECT_NEAR(focal_prior_px(tags, 640, 480).value(), 661.26, 0.01);
+    EXPECT_NEAR(prior(tags, 640, 480).value(), 661.26, 0.01);
 }
 
 TEST(FocalPriorTest, ReducedPhotographsScale) {
@@ -35,10 +46,10 @@ TEST(FocalPriorTest, ReducedPhotographsScale) {
     tags.focal_plane_x_per_mm = 100.0;  // 36 mm over 3,600 pixels
     tags.original_width = 3600.0;
     tags.original_height = 2400.0;
-    EXPECT_NEAR(focal_prior_px(tags, 3600, 2400).value(), 5000.0, 1e-9);
-    EXPECT_NEAR(focal_prior_px(tags, 900, 600).value(), 1250.0, 1e-9);
+    EXPECT_NEAR(prior(tags, 3600, 2400).value(), 5000.0, 1e-9);
+    EXPECT_NEAR(prior(tags, 900, 600).value(), 1250.0, 1e-9);
     // Turned upright by a program that left the size as it was.
-    EXPECT_NEAR(focal_prior_px(tags, 600, 900).value(), 1250.0, 1e-9);
+    EXPECT_NEAR(prior(tags, 600, 900).value(), 1250.0, 1e-9);
 }
 
 TEST(FocalPriorTest, CroppedPhotographsKeepTheirFocalLength) {
@@ -46,8 +57,8 @@ TEST(FocalPriorTest, CroppedPhotographsKeepTheirFocalLength) {
     tags.focal_35mm = 36.0;
     tags.original_width = 3600.0;
     tags.original_height = 2400.0;
-    EXPECT_NEAR(focal_prior_px(tags, 3600, 1800).value(), 3600.0, 1e-9);
-    EXPECT_NEAR(focal_prior_px(tags, 1000, 667 - 200).value(), 1000.0, 1e-9);
+    EXPECT_NEAR(prior(tags, 3600, 1800).value(), 3600.0, 1e-9);
+    EXPECT_NEAR(prior(tags, 1000, 667 - 200).value(), 1000.0, 1e-9);
 }
 
 TEST(FocalPriorTest, OrderOfSources) {
@@ -58,11 +69,11 @@ TEST(FocalPriorTest, OrderOfSources) {
     const auto crop = lensfun_crop_factor(tags.make, tags.model);
     if (!crop) GTEST_SKIP() << "Lensfun's database is not installed";
     EXPECT_NEAR(*crop, 1.52, 0.03);
-    EXPECT_NEAR(focal_prior_px(tags, 3000, 2000).value(), 3000.0 * *crop, 0.1);
+    EXPECT_NEAR(prior(tags, 3000, 2000).value(), 3000.0 * *crop, 0.1);
     tags.focal_plane_x_per_mm = 100.0;
-    EXPECT_NEAR(focal_prior_px(tags, 3000, 2000).value(), 3600.0, 1e-6);
+    EXPECT_NEAR(prior(tags, 3000, 2000).value(), 3600.0, 1e-6);
     tags.focal_35mm = 50.0;
-    EXPECT_NEAR(focal_prior_px(tags, 3000, 2000).value(), 3000.0 * 50.0 / 36.0, 1e-6);
+    EXPECT_NEAR(prior(tags, 3000, 2000).value(), 3000.0 * 50.0 / 36.0, 1e-6);
 }
 
 TEST(FocalPriorTest, LensfunIgnoresCaseAndBlanks) {
@@ -75,19 +86,19 @@ TEST(FocalPriorTest, LensfunIgnoresCaseAndBlanks) {
 
 TEST(FocalPriorTest, ImpossibleSourcesGiveWayToTheNext) {
     ExifTags tags;
-    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    EXPECT_FALSE(prior(tags, 640, 480));
     tags.focal_mm = 5.0;
-    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    EXPECT_FALSE(prior(tags, 640, 480));
     tags.focal_plane_x_per_mm = 1.0;  // a sensor 64 cm wide
-    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    EXPECT_FALSE(prior(tags, 640, 480));
     tags.focal_plane_x_per_mm = 128.0;
     tags.focal_plane_y_per_mm = 64.0;  // pixels twice as high as wide
-    EXPECT_FALSE(focal_prior_px(tags, 640, 480));
+    EXPECT_FALSE(prior(tags, 640, 480));
     tags.focal_plane_y_per_mm = 127.5;
-    EXPECT_TRUE(focal_prior_px(tags, 640, 480));
+    EXPECT_TRUE(prior(tags, 640, 480));
     tags.focal_35mm = 60000.0;  // no lens: the focal plane tells
-    EXPECT_NEAR(focal_prior_px(tags, 640, 480).value(), 640.0, 1e-9);
-    EXPECT_FALSE(focal_prior_px(tags, 0, 480));
+    EXPECT_NEAR(prior(tags, 640, 480).value(), 640.0, 1e-9);
+    EXPECT_FALSE(prior(tags, 0, 480));
 }
 
 }  // namespace
