@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <span>
 
 #include "stages/verification/dot_kernel.h"
 #include "stages/verification/match_with_kernel.h"
+#include "stages/verification/nearest_descriptors.h"
 
 namespace psfm {
 namespace {
@@ -21,22 +23,6 @@ std::int32_t squared_norm(const std::uint8_t* row) {
     for (std::size_t k = 0; k < Descriptors::kSize; ++k) sum += row[k] * row[k];
     return sum;
 }
-
-std::int32_t byte_sum(const std::uint8_t* row) {
-    std::int32_t sum = 0;
-    for (std::size_t k = 0; k < Descriptors::kSize; ++k) sum += row[k];
-    return sum;
-}
-
-struct NearestArrays {
-    explicit NearestArrays(std::size_t count)
-        : best(count, kNoDistance), second(count, kNoDistance), index(count, 0) {}
-    NearestTwo view() { return {best.data(), second.data(), index.data()}; }
-
-    std::vector<std::int32_t> best;
-    std::vector<std::int32_t> second;
-    std::vector<std::uint32_t> index;
-};
 
 /// Squared distance from a value that lacks the descriptor's own norm.
 double squared_distance(std::int32_t value, std::int32_t own_norm) {
@@ -53,28 +39,8 @@ std::vector<FeatureMatch> match_first(const Descriptors& a, std::size_t a_rows,
                                       const MatchOptions& options, DotKernel kernel) {
     std::vector<FeatureMatch> matches;
     if (a_rows == 0 || b_rows == 0) return matches;
-    std::vector<std::int32_t> a_norms(a_rows);
-    std::vector<std::int32_t> a_sums(a_rows);
-    for (std::size_t i = 0; i < a_rows; ++i) {
-        a_norms[i] = squared_norm(a.row(i));
-        a_sums[i] = byte_sum(a.row(i));
-    }
-    std::vector<StripKeys> column_keys(strip_count(b_rows));
-    std::vector<LaneMinima> column_minima(strip_count(b_rows));
-    NearestArrays of_a(a_rows);
-    NearestArrays of_b(b_rows);
-    const DotKernelInput input{.rows = a.values.data(),
-                               .row_norms = a_norms.data(),
-                               .row_sums = a_sums.data(),
-                               .row_count = a_rows,
-                               .strips = b.strips.data(),
-                               .column_norms = b.norms.data(),
-                               .column_count = b_rows};
-    kernel(input, {.of_rows = of_a.view(),
-                   .of_columns = of_b.view(),
-                   .column_keys = column_keys.data(),
-                   .column_minima = column_minima.data()});
-
+    const auto [a_norms, of_a, of_b] = nearest_both_ways(
+        std::span(a.values).first(a_rows * Descriptors::kSize), b, b_rows, kernel);
     const double max_squared_ratio = options.max_ratio * options.max_ratio;
     const double max_squared_distance = options.max_distance * options.max_distance * kUnit * kUnit;
     for (std::size_t i = 0; i < a_rows; ++i) {

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// Measurements behind "ours": docs/retrieval.md.
+struct RetrievalOptions {
+    /// Candidates an image, and the number of earlier images up to which every one is a candidate.
+    /// More: time of matching grows in proportion; fewer: overlapping images are never matched.
+    /// Paper, section "Progressive Viewgraph": 100.
+    std::size_t candidates = 100;
+    /// Features of an image that are indexed and looked up, largest scale first. More: memory and
+    /// time grow in proportion, at 4 bytes a feature; fewer: weakly overlapping images are missed.
+    /// Ours.
+    std::size_t features_per_image = 4096;
+    /// Words of a vocabulary trained from the session, for each image present. Fewer: long posting
+    /// lists, slower queries, less distinctive words; more: descriptors of one point fall apart.
+    /// Ours.
+    std::size_t words_per_image = 160;
+    /// Upper limit of the words of a trained vocabulary. Paper: 1M, trained independently.
+    std::size_t max_words = std::size_t{1} << 18U;
+    /// Descriptors that a vocabulary is trained from, spread evenly over the images and their
+    /// features. More: training takes longer, at 256 bytes of memory each while it lasts; fewer:
+    /// poorer words. Ours.
+    std::size_t training_features = 500000;
+    /// Larger collections are not trained from any more: the last vocabulary stays. Larger: a pause
+    /// in proportion at the next doubling; smaller: words that do not know the later scenes. Ours.
+    std::size_t max_training_images = 3200;
+    /// Iterations of k-means at each of the two levels. More: training takes longer. Ours.
+    unsigned training_iterations = 8;
+    /// Entries of the inverted file read for a query, rarest words first: bounds the time of a
+    /// query, whatever the size of the collection. Fewer: recall falls in large collections. Ours.
+    std::size_t max_postings = 2000000;
+};
+
+/// @errors kInvalidArgument, naming the field and its range
+Result<void> validate(const RetrievalOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/retrieval/run_retrieval.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "stages/retrieval/session_vocabulary.h"
+
+namespace psfm {
+namespace {
+
+std::span<const std::uint8_t> indexed_rows(const Descriptors& descriptors,
+                                           const RetrievalOptions& options) {
+    const std::size_t rows = std::min(descriptors.rows(), options.features_per_image);
+    return std::span(descriptors.values).first(rows * Descriptors::kSize);
+}
+
+/// Images present when the weights are refreshed, and a vocabulary trained if one may be: the
+/// number of candidates times a power of two.
+bool is_milestone(std::size_t images, const RetrievalOptions& options) {
+    if (images == 0 || images % options.candidates != 0) return false;
+    const std::size_t times = images / options.candidates;
+    return (times & (times - 1)) == 0;
+}
+
+bool is_training(std::size_t images, const RetrievalState& state, const RetrievalOptions& options) {
+    return !state.given && is_milestone(images, options) &&
+           (images == options.candidates || images <= options.max_training_images);
+}
+
+/// Adds images [begin, end) to the index, and refreshes its weights where a milestone is passed.
+Result<void> index_images(InvertedFile& index, const Vocabulary& vocabulary, std::uint32_t begin,
+                          std::uint32_t end, std::uint32_t first_refresh,
+                          const DescriptorSource& source, const RetrievalOptions& options) {
+    for (std::uint32_t i = begin; i < end; ++i) {
+        if (i >= first_refresh && is_milestone(i, options)) index.refresh_weights();
+        const auto descriptors = source(ImageId{i});
+        if (!descriptors) return descriptors.error();
+        index.add(vocabulary.assign(indexed_rows(**descriptors, options)));
+    }
+    return {};
+}
+
+struct Trained {
+    std::shared_ptr<const Vocabulary> vocabulary;
+    InvertedFile index;
+};
+
+/// Trains from images [0, training_images) and indexes images [0, image_count).
+Result<Trained> train(std::uint32_t training_images, std::uint32_t image_count,
+                      const DescriptorSource& source, const RetrievalOptions& options) {
+    const auto tree = train_session_vocabulary(training_images, source, options);
+    if (!tree) return tree.error();
+    Trained trained{std::make_shared<const Vocabulary>(*tree), InvertedFile(tree->word_count())};
+    const auto indexed = index_images(trained.index, *trained.vocabulary, 0, image_count,
+                                      training_images, source, options);
+    if (!indexed) return indexed.error();
+    return trained;
+}
+
+std::vector<RetrievalCandidate> all_earlier(std::uint32_t count) {
+    std::vector<RetrievalCandidate> all;
+    for (std::uint32_t i = 0; i < count; ++i) all.push_back({ImageId{i}, 0.F});
+    return all;
+}
+
+std::vector<RetrievalCandidate> most_similar(const InvertedFile& index,
+                                             std::span<const std::uint32_t> words,
+                                             const RetrievalOptions& options) {
+    std::vector<RetrievalCandidate> candidates;
+    for (const ScoredImage& found :
+         index.most_similar(words, options.candidates, options.max_postings)) {
+        candidates.push_back({ImageId{found.image}, found.score});
+    }
+    std::sort(candidates.begin(), candidates.end(),
+              [](const auto& a, const auto& b) { return a.image < b.image; });
+    return candidates;
+}
+
+}  // namespace
+
+Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
+                                      const Descriptors& descriptors,
+                                      const DescriptorSource& source,
+                                      const RetrievalOptions& options) {
+    if (const auto valid = validate(options); !valid) return valid.error();
+    const std::uint32_t earlier = state.image_count;
+    if (index_of(image) != earlier) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "retrieval: image " + std::to_string(index_of(image)) +
+                         " arrived where image " + std::to_string(earlier) +
+                         " was due; images must come in the order of their ids"};
+    }
+    RetrievalResult result;
+    if (is_training(earlier, state, options)) {
+        auto trained = train(earlier, earlier, source, options);
+        if (!trained) return trained.error();
+        result.trained_words = trained->vocabulary->word_count();
+        state.vocabulary = std::move(trained->vocabulary);
+        state.index = std::move(trained->index);
+    }
+    if (state.vocabulary && is_milestone(earlier, options)) state.index.refresh_weights();
+    std::vector<std::uint32_t> words;
+    if (state.vocabulary) words = state.vocabulary->assign(indexed_rows(descriptors, options));
+    result.candidates = earlier <= options.candidates ? all_earlier(earlier)
+                                                      : most_similar(state.index, words, options);
+    if (state.vocabulary) state.index.add(words);
+    ++state.image_count;
+    return result;
+}
+
+Result<RetrievalState> rebuild_retrieval(std::shared_ptr<const Vocabulary> given,
+                                         std::uint32_t image_count, const DescriptorSource& source,
+                                         const RetrievalOptions& options) {
+    if (const auto valid = validate(options); !valid) return valid.error();
+    RetrievalState state = make_retrieval_state(std::move(given));
+    if (state.given) {
+        const auto indexed =
+            index_images(state.index, *state.vocabulary, 0, image_count, 0, source, options);
+        if (!indexed) return indexed.error();
+    } else {
+        // Training happens when the image after the milestone arrives.
+        std::uint32_t training_images = 0;
+        for (std::uint32_t images = 0; images < image_count; ++images) {
+            if (is_training(images, state, options)) training_images = images;
+        }
+        if (training_images > 0) {
+            auto trained = train(training_images, image_count, source, options);
+            if (!trained) return trained.error();
+            state.vocabulary = std::move(trained->vocabulary);
+            state.index = std::move(trained->index);
+        }
+    }
+    state.image_count = image_count;
+    return state;
+}
+
+}  // namespace psfm
