@@ -34,7 +34,7 @@ struct WrongMatchOptions {
     double fraction = 0.2;
     /// When set, wrong partners lie within this distance of the epipolar line [px], as those do
     /// that geometric verification cannot tell from right ones.
-    std::optional<double> max_epipolar_error_px;
+    std::optional<double> max_epipolar_error_px = std::nullopt;
 };
 
 /// The matches and wrong ones between features that have no match, ascending; each feature stays at

@@ -15,11 +15,11 @@ namespace psfm::synthetic {
 
 /// The EXIF tags that a photograph carries; what is unset is not written.
 struct PhotoExif {
-    std::string make, model;                  ///< empty: not written
-    std::optional<double> focal_mm;           ///< FocalLength
-    std::optional<std::uint16_t> focal_35mm;  ///< FocalLengthIn35mmFilm
-    std::uint16_t orientation = 1;            ///< 1 … 8
-    std::optional<GpsPosition> gps;
+    std::string make, model;                        ///< empty: not written
+    std::optional<double> focal_mm = std::nullopt;  ///< FocalLength
+    std::optional<std::uint16_t> focal_35mm;        ///< FocalLengthIn35mmFilm
+    std::uint16_t orientation = 1;                  ///< 1 … 8
+    std::optional<GpsPosition> gps = std::nullopt;
 };
 
 /// The JPEG with these tags instead of those it had.

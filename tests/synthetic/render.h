@@ -43,11 +43,11 @@ struct PhotoSetOptions {
     bool exif = true;
     std::string make = "PSFM", camera_name = "Render One";
     double focal_mm = 5.6;  ///< EXIF FocalLength
-    std::optional<GpsOptions> gps;
+    std::optional<GpsOptions> gps = std::nullopt;
     /// When set, every so-many-th photograph is an upright one: the camera is rolled by 90 degrees,
     /// the pixels are stored as the sensor saw them, and EXIF's Orientation is 6 (and 8 for every
     /// other one).
-    std::optional<std::uint32_t> portrait_every;
+    std::optional<std::uint32_t> portrait_every = std::nullopt;
 
     PhotographOptions photograph;
     int jpeg_quality = 92;
@@ -60,7 +60,7 @@ struct PlannedPhoto {
     std::string name;  ///< photo_0000.jpg, …: in order along the path
     Rigid3 cam_from_world;
     std::uint8_t orientation = 1;  ///< EXIF
-    std::optional<GpsPosition> gps;
+    std::optional<GpsPosition> gps = std::nullopt;
 };
 
 /// Which photographs will be taken from where, by one camera.

@@ -85,7 +85,7 @@ struct VisibilityOptions {
     double detection_rate = 1.0;  ///< probability that a visible point becomes a feature
     /// At most this many features an image. The same points are preferred in every image, as strong
     /// features are.
-    std::optional<std::uint32_t> max_features;
+    std::optional<std::uint32_t> max_features = std::nullopt;
 };
 
 struct SceneOptions {
