@@ -33,8 +33,7 @@ std::uint64_t mix(std::uint64_t x) {
 }
 
 bool comes_first(const ImageFeatures& a, const ImageFeatures& b) {
-    return std::tuple(a.content_hash, a.name_hash, a.id) <
-           std::tuple(b.content_hash, b.name_hash, b.id);
+    return std::tuple(a.content_hash, a.id) < std::tuple(b.content_hash, b.id);
 }
 
 Result<void> check(const ImageFeatures& image) {
@@ -88,7 +87,7 @@ Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& pa
 
     start = Clock::now();
     Result<TwoViewGeometry> geometry =
-        verify_images(candidate, input.image, matches, options.verify, input.run_seed);
+        verify_images(candidate, input.image, matches, options.verify, input.seed);
     attempt.verify_ms = milliseconds_since(start);
     if (!geometry) {
         const ErrorCode code = geometry.error().code;
@@ -168,7 +167,7 @@ Result<void> validate(const VerificationOptions& options) {
 
 Result<TwoViewGeometry> verify_images(const ImageFeatures& a, const ImageFeatures& b,
                                       std::span<const FeatureMatch> matches,
-                                      const VerifyOptions& options, std::uint64_t run_seed) {
+                                      const VerifyOptions& options, std::uint64_t seed) {
     const bool straight = comes_first(a, b);
     const ImageFeatures& first = straight ? a : b;
     const ImageFeatures& second = straight ? b : a;
@@ -176,10 +175,10 @@ Result<TwoViewGeometry> verify_images(const ImageFeatures& a, const ImageFeature
     if (!straight) {
         for (FeatureMatch& match : directed) std::swap(match.first, match.second);
     }
-    const std::uint64_t seed = mix(mix(mix(run_seed) ^ first.content_hash) ^ second.content_hash);
+    const std::uint64_t pair_seed = mix(mix(mix(seed) ^ first.content_hash) ^ second.content_hash);
     Result<TwoViewGeometry> geometry =
         verify_pair({*first.keypoints, *second.keypoints, first.camera, second.camera, directed},
-                    options, seed);
+                    options, pair_seed);
     if (!geometry || straight) return geometry;
     return invert(*geometry);
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "graph/camera.h"
@@ -22,9 +23,9 @@ namespace psfm {
 struct ImageFeatures {
     ImageId id{};
     Camera camera;
-    std::uint64_t content_hash =
-        0;  ///< decides the direction and the seed, whatever the arrival order
-    std::uint64_t name_hash = 0;  ///< decides between equal content hashes
+    /// Decides the direction and the seed, whatever the arrival order. Distinct for distinct
+    /// images.
+    std::uint64_t content_hash = 0;
     std::shared_ptr<const Keypoints> keypoints;
     std::shared_ptr<const Descriptors> descriptors;
 };
@@ -40,7 +41,7 @@ struct VerificationInput {
     ImageFeatures image;              ///< the new image
     std::vector<ImageId> candidates;  ///< other images, in any order; repeated ones count once
     FeatureLoader load;
-    std::uint64_t run_seed = 0;
+    std::uint64_t seed = 0;
 };
 
 struct VerificationOptions {
@@ -74,7 +75,7 @@ struct VerificationOutput {
 };
 
 /// Stage: one image against its candidates, pairs in parallel (TBB).
-/// A pair's result depends on the two images' contents and cameras and on run_seed only: it is
+/// A pair's result depends on the two images' contents and cameras and on seed only: it is
 /// verified in the direction of ascending content hash, then turned into the order of ids. Any
 /// arrival order and any number of threads give the same pairs, poses inverted where ids are
 /// exchanged. A pair that fails is counted, and is no error.
@@ -91,6 +92,6 @@ Result<VerificationOutput> run_verification(const VerificationInput& input,
 /// Swapping a and b gives exactly the inverted geometry. Thread-safe.
 Result<TwoViewGeometry> verify_images(const ImageFeatures& a, const ImageFeatures& b,
                                       std::span<const FeatureMatch> matches,
-                                      const VerifyOptions& options, std::uint64_t run_seed);
+                                      const VerifyOptions& options, std::uint64_t seed);
 
 }  // namespace psfm
