@@ -26,7 +26,7 @@ struct ReadPhotoOptions {
 /// Detection and description of SIFT features (Lowe, IJCV 2004), with OpenCV's implementation.
 struct SiftOptions {
     /// Larger photographs are reduced to this longer side before detection [px]; coordinates are
-    /// given in the full photograph. Raised: slower, more memory (about 140 bytes a pixel);
+    /// given in the full photograph. Raised: slower, more memory (about 250 bytes a pixel);
     /// lowered: fewer and less exact features. Source: COLMAP 3.8, max_image_size.
     std::uint32_t max_image_size = 3200;
     /// The most features kept, largest scale first. Raised: matching time grows with its square;
@@ -36,7 +36,7 @@ struct SiftOptions {
     /// the largest are kept. Raised: slower on detailed photographs; lowered (1: by contrast
     /// alone): features that fewer views share. Ours, tuned on Strecha's half-size photographs: at
     /// 8,192 features 2 matches like all (within 0.1 %), 1 loses up to 6 % of castle-P19's true
-    /// matches; sceaux takes 40 % less time.
+    /// matches; sceaux takes a quarter less time.
     double candidates_per_feature = 2.0;
     /// Layers in each octave of the scale space. Raised: slower, more but less stable features.
     /// Source: Lowe 2004, sec. 3.2.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -39,8 +40,14 @@ cv::Mat render(const std::vector<Blob>& blobs, double spacing) {
     cv::Mat sum(size, size, CV_64F, cv::Scalar(128.0));
     for (std::size_t i = 0; i < blobs.size(); ++i) {
         const double amplitude = i % 2 == 0 ? 100.0 : -100.0;
-        for (int y = 0; y < size; ++y) {
-            for (int x = 0; x < size; ++x) {
+        const double reach = 6.0 * blobs[i].sigma;  // beyond, less than 1e-5 of a grey value
+        const auto clamped = [&](double value) {
+            return std::clamp(static_cast<int>(value), 0, size);
+        };
+        for (int y = clamped(blobs[i].centre.y() - reach); y < clamped(blobs[i].centre.y() + reach);
+             ++y) {
+            for (int x = clamped(blobs[i].centre.x() - reach);
+                 x < clamped(blobs[i].centre.x() + reach); ++x) {
                 const double squared =
                     (Eigen::Vector2d(x + 0.5, y + 0.5) - blobs[i].centre).squaredNorm();
                 sum.at<double>(y, x) +=
