@@ -28,12 +28,15 @@ struct ClusterConstraint {
     std::uint32_t revision_a = 0;
     std::uint32_t revision_b = 0;
     std::uint32_t edges_given = 0;  ///< edges of the view graph between them
+    std::uint64_t edges_hash = 0;   ///< of which pairs they are
     std::uint32_t edges_tried = 0;  ///< those with enough correspondences
     std::uint32_t edges_accepted =
         0;  ///< those that passed RANSAC and the neighbourhood similarity
     ConstraintVerdict verdict = ConstraintVerdict::kNoEdges;
 
     // Meaningful only when accepted:
+    /// The pose graph rests on it; false when it contradicts the others. Set by each merge anew.
+    bool used = false;
     Sim3 b_from_a;
     std::uint32_t correspondences = 0;  ///< of the accepted edges
     std::uint32_t inliers = 0;

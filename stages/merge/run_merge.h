@@ -66,9 +66,9 @@ struct MergeResult {
 /// The frame does not jump: a component with images that `previous` placed is moved as a whole by
 /// the similarity that brings most of them where they were. A new component has the gauge of its
 /// largest cluster, scaled so that the median distance of a camera to its nearest neighbour is 1.
-/// A known constraint is used again when both revisions and the number of edges are what they were.
+/// A known constraint is used again when both revisions and the edges are what they were.
 ///
-/// @errors kInvalidArgument (order or ids violated, edge between images of one model, options)
+/// @errors kInvalidArgument (lists not ascending, unknown clusters, null edges, options)
 /// Deterministic: bitwise equal for equal inputs. Thread-safe.
 Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options);
 

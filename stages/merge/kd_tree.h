@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace psfm {
+
+/// Nearest neighbours among fixed points in space: exact, for camera centres, of which there are
+/// tens to thousands. Thread-safe for reading.
+class KdTree {
+  public:
+    static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+    KdTree() = default;
+    explicit KdTree(std::vector<Eigen::Vector3d> points);
+
+    std::size_t size() const { return points_.size(); }
+    const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+    /// Distance from `query` to the nearest point but `excluded`; infinity without any.
+    double nearest_distance(const Eigen::Vector3d& query, std::size_t excluded = kNone) const;
+
+  private:
+    /// Sorts order_[first, last) into a balanced tree with its root in the middle.
+    void build(std::size_t first, std::size_t last, int axis);
+    void search(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
+                std::size_t excluded, double& best) const;
+
+    std::vector<Eigen::Vector3d> points_;
+    std::vector<std::uint32_t> order_;
+};
+
+}  // namespace psfm

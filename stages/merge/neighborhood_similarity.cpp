@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/merge/neighborhood_similarity.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace psfm {
+namespace {
+
+/// Where the source's image is in the target's model, too: until a cluster that lost an image is
+/// solved again, two models have it, and it is no neighbour of itself.
+std::size_t position_of(const ClusterIndex& source, std::size_t k, const ClusterIndex& target) {
+    const RegisteredImage* same = target.model().find(source.model().images[k].image);
+    return same == nullptr ? KdTree::kNone
+                           : static_cast<std::size_t>(same - target.model().images.data());
+}
+
+/// @param target_from_source brings the cameras of `source` among those of `target`
+void count_kept(const ClusterIndex& source, const ClusterIndex& target,
+                const Sim3& target_from_source, NeighborhoodCount& count) {
+    for (std::size_t k = 0; k < source.centres().size(); ++k) {
+        const double own = source.neighbor_distances()[k];
+        if (!std::isfinite(own)) continue;
+        ++count.all;
+        const Eigen::Vector3d centre = target_from_source * source.centres().points()[k];
+        const double other =
+            target.centres().nearest_distance(centre, position_of(source, k, target));
+        if (target_from_source.scale * own <= other) ++count.kept;
+    }
+}
+
+}  // namespace
+
+NeighborhoodCount count_kept_neighbors(const ClusterIndex& a, const ClusterIndex& b,
+                                       const Sim3& b_from_a) {
+    NeighborhoodCount count;
+    count_kept(a, b, b_from_a, count);
+    count_kept(b, a, inverse(b_from_a), count);
+    return count;
+}
+
+}  // namespace psfm

@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/merge/run_merge.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "stages/merge/cluster_index.h"
+#include "stages/merge/cluster_pose_graph.h"
+#include "stages/merge/estimate_cluster_constraint.h"
+#include "stages/merge/keep_frame.h"
+
+namespace psfm {
+namespace {
+
+Error invalid(const std::string& what) {
+    return {ErrorCode::kInvalidArgument, "merge: " + what};
+}
+
+bool has_model(const MergeCluster& cluster) {
+    return cluster.model != nullptr && !cluster.model->empty();
+}
+
+const MergeCluster* find_cluster(const MergeProblem& problem, ClusterId id) {
+    const auto found = std::ranges::lower_bound(problem.clusters, id, {}, &MergeCluster::id);
+    return found != problem.clusters.end() && found->id == id ? &*found : nullptr;
+}
+
+Result<void> check(const MergeProblem& problem) {
+    if (!std::ranges::is_sorted(problem.clusters, std::ranges::less_equal{}, &MergeCluster::id)) {
+        return invalid("clusters must be ascending by id, each once");
+    }
+    const auto key = [](const ClusterPairEdges& pair) { return std::pair(pair.a, pair.b); };
+    if (!std::ranges::is_sorted(problem.pairs, std::ranges::less_equal{}, key)) {
+        return invalid("pairs of clusters must be ascending, each once");
+    }
+    for (const ClusterPairEdges& pair : problem.pairs) {
+        const std::string name = "pair of clusters " + std::to_string(index_of(pair.a)) + " and " +
+                                 std::to_string(index_of(pair.b));
+        if (pair.a >= pair.b) return invalid(name + " is not ascending");
+        if (find_cluster(problem, pair.a) == nullptr || find_cluster(problem, pair.b) == nullptr) {
+            return invalid(name + " names an unknown cluster");
+        }
+        if (std::ranges::find(pair.edges, nullptr) != pair.edges.end()) {
+            return invalid(name + " has a null edge");
+        }
+    }
+    return {};
+}
+
+/// Sum over the pairs of a mix of their numbers: the same for every order.
+std::uint64_t hash_of(const std::vector<VerifiedPairPtr>& edges) {
+    std::uint64_t sum = 0;
+    for (const VerifiedPairPtr& edge : edges) {
+        std::uint64_t value = (static_cast<std::uint64_t>(index_of(edge->pair.first)) << 32U) |
+                              index_of(edge->pair.second);
+        value = (value ^ (value >> 31U)) * 0x7FB5D329728EA185ULL;
+        value = (value ^ (value >> 27U)) * 0x81DADEF4BC2DD44DULL;
+        sum += value ^ (value >> 33U);
+    }
+    return sum;
+}
+
+/// A pair of clusters with models, and its constraint when it is known already.
+struct PairTask {
+    const ClusterPairEdges* edges = nullptr;
+    const MergeCluster* a = nullptr;
+    const MergeCluster* b = nullptr;
+    ClusterConstraint constraint;
+    bool known = false;
+};
+
+std::vector<PairTask> list_pairs(const MergeProblem& problem) {
+    std::map<std::pair<ClusterId, ClusterId>, const ClusterConstraint*> known;
+    for (const ClusterConstraint& constraint : problem.known) {
+        known[{constraint.a, constraint.b}] = &constraint;
+    }
+    std::vector<PairTask> tasks;
+    for (const ClusterPairEdges& pair : problem.pairs) {
+        PairTask task{
+            &pair, find_cluster(problem, pair.a), find_cluster(problem, pair.b), {}, false};
+        if (!has_model(*task.a) || !has_model(*task.b)) continue;
+        const std::uint64_t hash = hash_of(pair.edges);
+        const auto found = known.find({pair.a, pair.b});
+        if (found != known.end() && found->second->revision_a == task.a->revision &&
+            found->second->revision_b == task.b->revision &&
+            found->second->edges_given == pair.edges.size() && found->second->edges_hash == hash) {
+            task.constraint = *found->second;
+            task.known = true;
+        }
+        task.constraint.edges_hash = hash;
+        tasks.push_back(std::move(task));
+    }
+    return tasks;
+}
+
+void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptions& options) {
+    // A model is indexed once for all its pairs, and only if one of them is new.
+    std::map<const MergeCluster*, std::vector<ImageId>> asked;
+    for (const PairTask& task : tasks) {
+        if (task.known) continue;
+        for (const MergeCluster* cluster : {task.a, task.b}) {
+            std::vector<ImageId>& images = asked[cluster];
+            for (const VerifiedPairPtr& edge : task.edges->edges) {
+                images.push_back(edge->pair.first);
+                images.push_back(edge->pair.second);
+            }
+        }
+    }
+    std::unordered_map<const MergeCluster*, ClusterIndex> indices;
+    for (auto& [cluster, images] : asked) {
+        std::erase_if(images, [&](ImageId i) { return cluster->model->find(i) == nullptr; });
+        std::ranges::sort(images);
+        images.erase(std::unique(images.begin(), images.end()), images.end());
+        indices.emplace(cluster, ClusterIndex(*cluster->model, images));
+    }
+    for (PairTask& task : tasks) {
+        if (task.known) continue;
+        const std::uint64_t hash = task.constraint.edges_hash;
+        task.constraint = estimate_cluster_constraint(indices.at(task.a), indices.at(task.b),
+                                                      task.edges->edges, options);
+        task.constraint.a = task.a->id;
+        task.constraint.b = task.b->id;
+        task.constraint.revision_a = task.a->revision;
+        task.constraint.revision_b = task.b->revision;
+        task.constraint.edges_given = static_cast<std::uint32_t>(task.edges->edges.size());
+        task.constraint.edges_hash = hash;
+    }
+}
+
+/// Clusters that stand in one frame.
+struct Component {
+    std::vector<const MergeCluster*> clusters;  ///< ascending by id
+    std::vector<Sim3> component_from_cluster;
+    std::size_t placed = 0;
+};
+
+Result<std::vector<Component>> solve_components(const MergeProblem& problem,
+                                                std::vector<PairTask>& tasks,
+                                                const PoseGraphOptions& options) {
+    std::vector<const MergeCluster*> solved;
+    std::vector<std::size_t> sizes;
+    std::map<ClusterId, std::uint32_t> number;
+    for (const MergeCluster& cluster : problem.clusters) {
+        if (!has_model(cluster)) continue;
+        number[cluster.id] = static_cast<std::uint32_t>(solved.size());
+        solved.push_back(&cluster);
+        sizes.push_back(cluster.model->images.size());
+    }
+    std::vector<PoseGraphEdge> edges;
+    std::vector<ClusterConstraint*> constraints;
+    for (PairTask& task : tasks) {
+        ClusterConstraint& constraint = task.constraint;
+        constraint.used = false;
+        if (!constraint.accepted()) continue;
+        edges.push_back({number.at(constraint.a), number.at(constraint.b), constraint.b_from_a,
+                         constraint.anchor_in_a, constraint.extent_in_a,
+                         static_cast<double>(constraint.inliers)});
+        constraints.push_back(&constraint);
+    }
+    auto poses = solve_cluster_poses(edges, sizes, options);
+    if (!poses) return poses.error();
+    for (std::size_t e = 0; e < edges.size(); ++e) constraints[e]->used = poses->used[e];
+    std::vector<Component> components(poses->component_count);
+    for (std::size_t c = 0; c < solved.size(); ++c) {
+        Component& component = components[poses->component[c]];
+        component.clusters.push_back(solved[c]);
+        component.component_from_cluster.push_back(poses->component_from_cluster[c]);
+        component.placed += sizes[c];
+    }
+    std::ranges::sort(components, [](const Component& x, const Component& y) {
+        return std::tuple(y.placed, x.clusters.front()->id) <
+               std::tuple(x.placed, y.clusters.front()->id);
+    });
+    return components;
+}
+
+/// Gauge of a component: where its images were, else that of its root at a spacing of 1.
+Sim3 frame_of(const Component& component, const Scene* previous,
+              const std::unordered_map<ImageId, Rigid3>& published) {
+    std::vector<PlacedImage> images;
+    std::vector<Eigen::Vector3d> centres;
+    std::vector<Sim3> candidates;
+    for (std::size_t c = 0; c < component.clusters.size(); ++c) {
+        const MergeCluster& cluster = *component.clusters[c];
+        const Sim3& component_from_cluster = component.component_from_cluster[c];
+        for (const RegisteredImage& image : cluster.model->images) {
+            images.push_back(
+                {image.image, transform_pose(image.cam_from_cluster, component_from_cluster)});
+            centres.push_back(images.back().cam_from_component.target_origin_in_source());
+        }
+        if (previous == nullptr) continue;
+        const auto before = std::ranges::find(previous->clusters, cluster.id,
+                                              [](const auto& known) { return known->id; });
+        if (before != previous->clusters.end() && (*before)->model != nullptr &&
+            (*before)->revision == cluster.revision) {
+            candidates.push_back((*before)->world_from_cluster * inverse(component_from_cluster));
+        }
+    }
+    const double spacing = median_neighbor_distance(centres);
+    Sim3 fresh;
+    if (spacing > 0.0) fresh.scale = 1.0 / spacing;
+    return world_from_component(images, published, candidates, fresh);
+}
+
+}  // namespace
+
+Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options) {
+    if (auto valid = validate(options); !valid) return valid.error();
+    if (auto valid = check(problem); !valid) return valid.error();
+
+    std::vector<PairTask> tasks = list_pairs(problem);
+    estimate_unknown(tasks, options.constraint);
+    auto components = solve_components(problem, tasks, options.pose_graph);
+    if (!components) return components.error();
+
+    MergeResult result;
+    for (PairTask& task : tasks) {
+        result.reused += task.known ? 1 : 0;
+        result.dropped += task.constraint.accepted() && !task.constraint.used ? 1 : 0;
+        result.constraints.push_back(std::move(task.constraint));
+    }
+    std::unordered_map<ImageId, Rigid3> published;
+    if (problem.previous != nullptr) published = published_poses(*problem.previous);
+    for (const Component& component : *components) {
+        const Sim3 world_from_component = frame_of(component, problem.previous.get(), published);
+        for (std::size_t c = 0; c < component.clusters.size(); ++c) {
+            result.placements.push_back({component.clusters[c]->id,
+                                         world_from_component * component.component_from_cluster[c],
+                                         result.effective_clusters});
+        }
+        ++result.effective_clusters;
+    }
+    std::uint32_t number = result.effective_clusters;
+    for (const MergeCluster& cluster : problem.clusters) {
+        if (!has_model(cluster)) result.placements.push_back({cluster.id, Sim3{}, number++});
+    }
+    std::ranges::sort(result.placements, {}, &ClusterPlacement::id);
+    return result;
+}
+
+}  // namespace psfm
