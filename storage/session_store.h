@@ -51,6 +51,8 @@ struct StoredCluster {
     std::uint32_t topology = 0;  ///< counts changes of membership, from 1
     std::uint32_t solved_topology = 0;  ///< topology that the last solution was made for; dirty when it differs
     std::uint32_t revision = 0;         ///< counts solutions, from 1; 0: none yet
+    /// Solutions for earlier topologies are not extended: models joined or split there.
+    std::uint32_t anew_topology = 0;
 };
 
 /// A solution of one cluster, as the solve stage left it.
@@ -108,6 +110,8 @@ class SessionReader {
     /// Pairs (other, image) with other < image, ascending, as committed together with `image`.
     virtual Result<std::vector<VerifiedPairPtr>> pairs_of(ImageId image) const = 0;
     virtual Result<std::vector<StoredCluster>> clusters() const = 0;
+    /// The smallest id that no cluster ever had.
+    virtual Result<ClusterId> next_cluster_id() const = 0;
     /// The latest solution of a cluster; nothing when it has none.
     virtual Result<std::optional<StoredSolution>> solution(ClusterId cluster) const = 0;
     /// The latest scene version, complete with models; version 0 and no clusters for an empty session.

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/cluster_records.h"
+
+#include "storage/compact_list.h"
+#include "storage/flat_payload.h"
+#include "storage/generated/records_generated.h"
+
+namespace psfm {
+namespace {
+
+const char* problem_of(const StoredCluster& cluster) {
+    if (cluster.members.empty()) return "cluster has no members";
+    if (!strictly_ascending(cluster.members)) return "cluster members are not ascending";
+    if (cluster.solved_topology > cluster.topology || cluster.anew_topology > cluster.topology) {
+        return "cluster was solved for a topology to come";
+    }
+    return nullptr;
+}
+
+}  // namespace
+
+Result<std::string> encode_cluster(const ClusterRecord& record) {
+    const StoredCluster& cluster = record.cluster;
+    if (const char* problem = problem_of(cluster)) {
+        return not_storable("cluster " + std::to_string(index_of(cluster.id)) + ": " + problem);
+    }
+    flatbuffers::FlatBufferBuilder builder;
+    const auto members = builder.CreateVector(encode_members(cluster.members));
+    builder.Finish(records::CreateCluster(builder, members, cluster.topology,
+                                          cluster.solved_topology, cluster.revision, record.removed,
+                                          cluster.anew_topology));
+    return finished(builder);
+}
+
+Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
+    const FlatPayload flat(payload);
+    const auto* record = flat.root<records::Cluster>();
+    if (record == nullptr) return damaged_payload(kNotATable);
+    auto members = decode_members(bytes_of(*record->members()));
+    if (!members) return damaged_payload("list of members is broken");
+    ClusterRecord result{{id, std::move(*members), record->topology(), record->solved_topology(),
+                          record->revision(), record->anew_topology()},
+                         record->removed()};
+    if (const char* problem = problem_of(result.cluster)) return damaged_payload(problem);
+    return result;
+}
+
+}  // namespace psfm

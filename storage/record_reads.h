@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "storage/cluster_records.h"
+#include "storage/read_view.h"
+#include "storage/scene_records.h"
+#include "storage/solution_records.h"
+
+// Internal: single records out of a view.
+
+namespace psfm {
+
+/// Records in a family whose keys are 0 … n-1. @return n
+Result<std::uint32_t> count_images(const ReadView& view, Family family);
+
+/// All clusters, tombstones too.
+Result<std::map<ClusterId, ClusterRecord>> read_clusters(const ReadView& view);
+
+Result<std::set<CameraId>> read_camera_ids(const ReadView& view);
+Result<std::set<SolutionKey>> read_superseded(const ReadView& view);
+Result<std::optional<SceneRecord>> read_latest_scene(const ReadView& view);
+
+/// The last version with at most `image_count` images.
+Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
+                                                    std::uint32_t image_count);
+
+Result<std::optional<Reconstruction>> read_poses(const ReadView& view, const SolutionKey& key);
+Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const SolutionKey& key);
+
+}  // namespace psfm

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/retention.h"
+
+#include <algorithm>
+
+namespace psfm {
+namespace {
+
+const StoredPlacement* find_placement(const StoredSceneVersion& scene, const SolutionKey& key) {
+    const auto found =
+        std::ranges::lower_bound(scene.placements, key.cluster, {}, &StoredPlacement::cluster);
+    const bool same = found != scene.placements.end() && found->cluster == key.cluster &&
+                      found->revision == key.revision;
+    return same ? &*found : nullptr;
+}
+
+std::set<ImageId> unsolved_images(const std::map<ClusterId, ClusterRecord>& clusters) {
+    std::set<ImageId> images;
+    for (const auto& [id, record] : clusters) {
+        if (record.removed || record.cluster.solved_topology == record.cluster.topology) continue;
+        images.insert(record.cluster.members.begin(), record.cluster.members.end());
+    }
+    return images;
+}
+
+}  // namespace
+
+bool refers_to(const StoredSceneVersion& scene, const SolutionKey& key) {
+    return find_placement(scene, key) != nullptr;
+}
+
+bool keeps_points(const SceneRecord* latest, const SolutionKey& key) {
+    if (latest == nullptr) return false;
+    const StoredPlacement* placement = find_placement(latest->scene, key);
+    if (placement == nullptr) return false;
+    return latest
+        ->points_kept[static_cast<std::size_t>(placement - latest->scene.placements.data())];
+}
+
+std::vector<bool> points_kept_by(const StoredSceneVersion& next, const SceneRecord* latest,
+                                 History history) {
+    std::vector<bool> kept;
+    for (const StoredPlacement& placement : next.placements) {
+        kept.push_back(history == History::kFull ||
+                       keeps_points(latest, {placement.cluster, placement.revision}));
+    }
+    return kept;
+}
+
+std::vector<SolutionKey> droppable_solutions(const std::set<SolutionKey>& superseded,
+                                             const StoredSceneVersion& next,
+                                             const std::map<ClusterId, ClusterRecord>& clusters) {
+    std::set<ImageId> unsolved;
+    bool have_unsolved = false;
+    const auto awaited = [&](const SolutionKey& key) {
+        const auto found = clusters.find(key.cluster);
+        const bool last_of_removed = found != clusters.end() && found->second.removed &&
+                                     found->second.cluster.revision == key.revision;
+        if (!last_of_removed) return false;
+        if (!have_unsolved) unsolved = unsolved_images(clusters);
+        have_unsolved = true;
+        return std::ranges::any_of(found->second.cluster.members,
+                                   [&](ImageId member) { return unsolved.contains(member); });
+    };
+    std::vector<SolutionKey> droppable;
+    for (const SolutionKey& key : superseded) {
+        if (!refers_to(next, key) && !awaited(key)) droppable.push_back(key);
+    }
+    return droppable;
+}
+
+}  // namespace psfm

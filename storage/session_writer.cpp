@@ -1,0 +1,277 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/session_writer.h"
+
+#include "storage/database_options.h"
+#include "storage/image_records.h"
+#include "storage/pair_records.h"
+#include "storage/record_reads.h"
+#include "storage/retention.h"
+#include "storage/writer_batch.h"
+
+namespace psfm {
+namespace {
+
+std::string name(ImageId image) {
+    return "image " + std::to_string(index_of(image));
+}
+std::string name(ClusterId cluster) {
+    return "cluster " + std::to_string(index_of(cluster));
+}
+
+}  // namespace
+
+SessionWriter::SessionWriter(std::unique_ptr<Database> database, WriterState state,
+                             const StoreOptions& options)
+    : ReaderOf<SessionStore>(std::move(database), decoded_cache_bytes(options)),
+      state_(std::move(state)),
+      history_(options.history) {}
+
+Error SessionWriter::refused(const std::string& why) const {
+    return {ErrorCode::kInvalidArgument, "not stored: " + why};
+}
+
+Result<void> SessionWriter::write(Batch& batch) {
+    if (batch.error()) return refused(batch.error()->message);
+    if (failed_) return *failed_;
+    auto written = database().write(batch.records());
+    if (!written) failed_ = written.error();
+    return written;
+}
+
+Result<void> SessionWriter::put_settings(const SessionSettings& settings) {
+    Batch batch(database());
+    batch.put(Family::kMeta, RecordKind::kSettings, settings_key(), encode_settings(settings));
+    return write(batch);
+}
+
+Result<void> SessionWriter::commit_image(const Image& image, const Camera& camera,
+                                         const Keypoints& keypoints,
+                                         const Descriptors& descriptors) {
+    if (index_of(image.id) != state_.image_count) {
+        return refused(name(image.id) + " is not the next one, " +
+                       std::to_string(state_.image_count));
+    }
+    if (descriptors.rows() != keypoints.size() && !descriptors.values.empty()) {
+        return refused(name(image.id) + " has another number of descriptors than keypoints");
+    }
+    const std::string key = encode_key(image.id);
+    const bool new_camera = !state_.cameras.contains(image.camera);
+    Batch batch(database());
+    batch.put(Family::kImages, RecordKind::kImage, key, encode_image(image));
+    batch.put(Family::kKeypoints, RecordKind::kKeypoints, key, encode_keypoints(keypoints));
+    batch.put(Family::kDescriptors, RecordKind::kDescriptors, key, encode_descriptors(descriptors));
+    if (new_camera) {
+        batch.put(Family::kMeta, RecordKind::kCamera, camera_key(image.camera),
+                  encode_camera(camera));
+    }
+    batch.remove(Family::kMeta, rejected_key(image.name));
+    if (auto written = write(batch); !written) return written;
+    ++state_.image_count;
+    state_.cameras.insert(image.camera);
+    return {};
+}
+
+Result<void> SessionWriter::commit_rejected(const RejectedPhoto& photo) {
+    Batch batch(database());
+    batch.put(Family::kMeta, RecordKind::kRejected, rejected_key(photo.name),
+              encode_rejected(photo));
+    return write(batch);
+}
+
+Result<std::map<ClusterId, ClusterRecord>> SessionWriter::edited_clusters(
+    ImageId image, const std::vector<StoredCluster>& changed,
+    const std::vector<ClusterId>& removed) const {
+    std::map<ClusterId, ClusterRecord> edited;
+    for (const StoredCluster& cluster : changed) {
+        const auto known = state_.clusters.find(cluster.id);
+        if (known != state_.clusters.end() && known->second.removed) {
+            return refused(name(cluster.id) + " was removed; its id is never used again");
+        }
+        if (!cluster.members.empty() && cluster.members.back() > image) {
+            return refused(name(cluster.id) + " holds an image whose pairs are not committed");
+        }
+        edited.insert_or_assign(cluster.id, ClusterRecord{cluster, false});
+    }
+    for (const ClusterId id : removed) {
+        const auto known = state_.clusters.find(id);
+        if (known == state_.clusters.end() || known->second.removed) {
+            return refused(name(id) + " cannot be removed: it does not exist");
+        }
+        if (!edited.emplace(id, ClusterRecord{known->second.cluster, true}).second) {
+            return refused(name(id) + " is both changed and removed");
+        }
+    }
+    return edited;
+}
+
+Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
+                                         const std::vector<StoredCluster>& changed,
+                                         const std::vector<ClusterId>& removed) {
+    if (index_of(image) != state_.verified_count || state_.verified_count >= state_.image_count) {
+        return refused("pairs of " + name(image) + " are not the next ones, of image " +
+                       std::to_string(state_.verified_count));
+    }
+    const auto edited = edited_clusters(image, changed, removed);
+    if (!edited) return edited.error();
+    Batch batch(database());
+    batch.put(Family::kPairs, RecordKind::kPairs, encode_key(image), encode_pairs(image, pairs));
+    std::vector<SolutionKey> marked;
+    for (const auto& [id, record] : *edited) {
+        batch.put(Family::kClusters, RecordKind::kCluster, encode_key(id), encode_cluster(record));
+        if (record.removed) supersede(batch, {id, record.cluster.revision}, marked);
+    }
+    if (auto written = write(batch); !written) return written;
+    ++state_.verified_count;
+    for (const auto& [id, record] : *edited) state_.clusters.insert_or_assign(id, record);
+    state_.superseded.insert(marked.begin(), marked.end());
+    return {};
+}
+
+void SessionWriter::supersede(Batch& batch, const SolutionKey& key,
+                              std::vector<SolutionKey>& marked) const {
+    const SceneRecord* latest = state_.scene ? &*state_.scene : nullptr;
+    const bool keep =
+        history_ == History::kFull || (history_ == History::kPoses && keeps_points(latest, key));
+    if (key.revision == 0 || keep) return;
+    batch.put(Family::kMeta, RecordKind::kSuperseded, superseded_key(key), std::string());
+    marked.push_back(key);
+}
+
+Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
+                                            const StoredCluster& cluster) {
+    const SolutionKey key{solution.cluster, solution.revision};
+    if (solution.cluster != cluster.id || solution.revision != cluster.revision) {
+        return refused("solution and record of " + name(cluster.id) + " do not belong together");
+    }
+    const auto known = state_.clusters.find(cluster.id);
+    const std::uint32_t before =
+        known == state_.clusters.end() ? 0 : known->second.cluster.revision;
+    if (solution.revision <= before) {
+        return refused("revision " + std::to_string(solution.revision) + " of " + name(cluster.id) +
+                       " is not above " + std::to_string(before));
+    }
+    // A removed cluster stays removed: its late solution is material for others (FORMAT.md section
+    // 5).
+    const bool removed = known != state_.clusters.end() && known->second.removed;
+    ClusterRecord record{cluster, removed};
+    if (removed) {
+        record.cluster = known->second.cluster;
+        record.cluster.revision = solution.revision;
+    }
+    const Reconstruction empty;
+    const Reconstruction& model = solution.model ? *solution.model : empty;
+    Batch batch(database());
+    batch.put(Family::kSolutions, RecordKind::kPoses, encode_key(key), encode_poses(model));
+    batch.put(Family::kPoints, RecordKind::kPoints, encode_key(key),
+              encode_points(model, solution.state_json));
+    batch.put(Family::kClusters, RecordKind::kCluster, encode_key(cluster.id),
+              encode_cluster(record));
+    std::vector<SolutionKey> marked;
+    supersede(batch, {cluster.id, before}, marked);
+    if (removed) supersede(batch, key, marked);
+    if (auto written = write(batch); !written) return written;
+    state_.clusters.insert_or_assign(cluster.id, std::move(record));
+    state_.superseded.insert(marked.begin(), marked.end());
+    return {};
+}
+
+Result<void> SessionWriter::check_scene(const StoredSceneVersion& version) const {
+    const std::string label = "scene version " + std::to_string(version.version);
+    if (version.image_count > state_.image_count) {
+        return refused(label + " knows of images that are not accepted");
+    }
+    if (state_.scene && (version.version <= state_.scene->scene.version ||
+                         version.image_count < state_.scene->scene.image_count)) {
+        return refused(label + " is not after the latest one, " +
+                       std::to_string(state_.scene->scene.version));
+    }
+    for (const StoredPlacement& placement : version.placements) {
+        if (placement.revision == 0) continue;
+        const auto known = state_.clusters.find(placement.cluster);
+        if (known == state_.clusters.end() || placement.revision > known->second.cluster.revision) {
+            return refused(label + " refers to a solution of " + name(placement.cluster) +
+                           " that is not committed");
+        }
+        const SolutionKey key{placement.cluster, placement.revision};
+        const bool current =
+            placement.revision == known->second.cluster.revision && !known->second.removed;
+        const bool at_hand = current || state_.superseded.contains(key) ||
+                             (state_.scene && refers_to(state_.scene->scene, key));
+        if (!at_hand && history_ != History::kFull) {
+            return refused(label + " refers to an old solution of " + name(placement.cluster) +
+                           " whose points are dropped");
+        }
+    }
+    return {};
+}
+
+Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version) {
+    if (auto checked = check_scene(version); !checked) return checked;
+    const SceneRecord* latest = state_.scene ? &*state_.scene : nullptr;
+    SceneRecord record{version, points_kept_by(version, latest, history_)};
+    Batch batch(database());
+    batch.put(Family::kScenes, RecordKind::kScene,
+              encode_key(SceneKey{version.image_count, version.version}), encode_scene(record));
+    // Solutions that are no longer candidates: dropped now, or kept for good by this version.
+    std::vector<SolutionKey> settled;
+    if (history_ == History::kFull) {
+        for (const SolutionKey& key : state_.superseded) {
+            if (refers_to(version, key)) settled.push_back(key);
+        }
+    } else {
+        settled = droppable_solutions(state_.superseded, version, state_.clusters);
+        for (const SolutionKey& key : settled) drop_solution(batch, key);
+    }
+    for (const SolutionKey& key : settled) batch.remove(Family::kMeta, superseded_key(key));
+    if (history_ == History::kNone && latest != nullptr) {
+        batch.remove(Family::kScenes,
+                     encode_key(SceneKey{latest->scene.image_count, latest->scene.version}));
+    }
+    if (auto written = write(batch); !written) return written;
+    state_.scene = std::move(record);
+    for (const SolutionKey& key : settled) state_.superseded.erase(key);
+    return {};
+}
+
+void SessionWriter::drop_solution(Batch& batch, const SolutionKey& key) const {
+    batch.remove(Family::kPoints, encode_key(key));
+    if (history_ == History::kNone) batch.remove(Family::kSolutions, encode_key(key));
+}
+
+Result<void> SessionWriter::drop_history() {
+    if (!state_.scene) return {};
+    const SceneKey latest{state_.scene->scene.image_count, state_.scene->scene.version};
+    Batch batch(database());
+    bool found = false;
+    {
+        const ReadView view(database());
+        const auto scenes =
+            view.for_each(Family::kScenes, {}, [&](std::string_view key, std::string_view) {
+                if (key == encode_key(latest)) return Result<void>();
+                batch.remove(Family::kScenes, std::string(key));
+                found = true;
+                return Result<void>();
+            });
+        if (!scenes) return scenes;
+        if (!found) return {};
+        const auto solutions =
+            view.for_each(Family::kSolutions, {}, [&](std::string_view key, std::string_view) {
+                const auto solution = decode_solution_key(key);
+                if (!solution || refers_to(state_.scene->scene, *solution)) return Result<void>();
+                const auto cluster = state_.clusters.find(solution->cluster);
+                if (cluster != state_.clusters.end() &&
+                    cluster->second.cluster.revision == solution->revision) {
+                    return Result<void>();
+                }
+                drop_solution(batch, *solution);
+                batch.remove(Family::kMeta, superseded_key(*solution));
+                state_.superseded.erase(*solution);
+                return Result<void>();
+            });
+        if (!solutions) return solutions;
+    }
+    return write(batch);
+}
+
+}  // namespace psfm

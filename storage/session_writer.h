@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "storage/cluster_records.h"
+#include "storage/reader_of.h"
+
+// Internal: the writing side of a session.
+
+namespace psfm {
+
+/// What commits are checked against. Follows the database: changed only after a write succeeded.
+struct WriterState {
+    std::uint32_t image_count = 0;
+    std::uint32_t verified_count = 0;
+    std::set<CameraId> cameras;
+    std::map<ClusterId, ClusterRecord> clusters;  ///< tombstones too
+    std::set<SolutionKey> superseded;
+    std::optional<SceneRecord> scene;
+
+    static Result<WriterState> read(const Database& database);
+};
+
+class SessionWriter final : public ReaderOf<SessionStore> {
+  public:
+    SessionWriter(std::unique_ptr<Database> database, WriterState state,
+                  const StoreOptions& options);
+
+    Result<void> put_settings(const SessionSettings& settings) override;
+    Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
+                              const Descriptors& descriptors) override;
+    Result<void> commit_rejected(const RejectedPhoto& photo) override;
+    Result<void> commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
+                              const std::vector<StoredCluster>& changed,
+                              const std::vector<ClusterId>& removed) override;
+    Result<void> commit_solution(const StoredSolution& solution,
+                                 const StoredCluster& cluster) override;
+    Result<void> commit_scene(const StoredSceneVersion& version) override;
+
+    /// History::kNone on a session that kept more: drops all but the latest version.
+    Result<void> drop_history();
+
+  private:
+    class Batch;
+
+    Result<void> write(Batch& batch);
+    Error refused(const std::string& why) const;
+    Result<void> check_scene(const StoredSceneVersion& version) const;
+    Result<std::map<ClusterId, ClusterRecord>> edited_clusters(
+        ImageId image, const std::vector<StoredCluster>& changed,
+        const std::vector<ClusterId>& removed) const;
+    void supersede(Batch& batch, const SolutionKey& key, std::vector<SolutionKey>& marked) const;
+    void drop_solution(Batch& batch, const SolutionKey& key) const;
+
+    WriterState state_;
+    History history_;
+    std::optional<Error> failed_;  ///< the first write that failed; no commit after it
+};
+
+}  // namespace psfm

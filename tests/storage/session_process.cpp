@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Another process for the tests of the session store.
+//   session_process hold FOLDER         opens for writing, prints "ready", waits for its input to
+//   end session_process write FOLDER COUNT  opens, commits images up to COUNT, printing each one's
+//   number
+//                                       when all its commits have returned
+//   session_process leave FOLDER COUNT  the same, then dies without closing the store
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "tests/storage/test_session.h"
+
+namespace {
+
+int fail(const std::string& message) {
+    std::fprintf(stderr, "%s\n", message.c_str());
+    return EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3) return fail("usage: session_process hold|write|leave FOLDER [COUNT]");
+    const std::string command = argv[1];
+    auto store = psfm::SessionStore::open(argv[2], {});
+    if (!store) return fail(store.error().message);
+    if (command == "hold") {
+        std::printf("ready\n");
+        std::fflush(stdout);
+        while (std::getchar() != EOF) {
+        }
+        return EXIT_SUCCESS;
+    }
+    const auto images = (*store)->images();
+    if (!images || argc < 4) return fail("cannot read images, or no COUNT");
+    const auto count = static_cast<std::uint32_t>(std::stoul(argv[3]));
+    for (auto image = static_cast<std::uint32_t>(images->size()); image < count; ++image) {
+        if (!psfm::testing::commit_all(**store, image)) return fail("commit failed");
+        std::printf("%u\n", image);
+        std::fflush(stdout);
+    }
+    if (command == "leave") _exit(EXIT_SUCCESS);
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "storage/session_folder.h"
+#include "tests/storage/child_process.h"
+#include "tests/storage/test_session.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ChildProcess;
+using testing::TemporaryFolder;
+
+std::size_t reader_folders(const fs::path& session) {
+    if (!fs::exists(session / kReadersFolder)) return 0;
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(session / kReadersFolder), {}));
+}
+
+TEST(SessionReader, SeesWhatAWriterOfTheSameProcessCommits) {
+    const TemporaryFolder folder;
+    const auto store = SessionStore::open(folder.session(), {});
+    ASSERT_TRUE(store.ok());
+    const auto reader = open_session_reader(folder.session(), {});
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_TRUE((*reader)->images()->empty());
+    for (std::uint32_t image = 0; image < 6; ++image) {
+        ASSERT_TRUE(testing::commit_all(**store, image));
+        ASSERT_TRUE((*reader)->refresh().ok());
+        EXPECT_EQ((*reader)->images()->size(), image + 1);
+        EXPECT_EQ((*reader)->scene()->version, image + 1);
+        EXPECT_EQ(testing::difference(**reader), "");
+    }
+    EXPECT_TRUE((*reader)->check({})->damaged.empty());
+}
+
+TEST(SessionReader, ReadsASessionThatNobodyWrites) {
+    const TemporaryFolder folder;
+    {
+        const auto store = SessionStore::open(folder.session(), {});
+        ASSERT_TRUE(store.ok());
+        for (std::uint32_t image = 0; image < 5; ++image) {
+            ASSERT_TRUE(testing::commit_all(**store, image));
+        }
+    }
+    const auto reader = open_session_reader(folder.session(), {});
+    ASSERT_TRUE(reader.ok());
+    EXPECT_EQ((*reader)->images()->size(), 5U);
+    EXPECT_EQ(testing::difference(**reader), "");
+}
+
+TEST(SessionReader, FollowsABusyWriterInAnotherProcess) {
+    const TemporaryFolder folder;
+    constexpr std::uint32_t kImages = 60;
+    ChildProcess writer({"write", folder.session().string(), std::to_string(kImages)});
+    ASSERT_EQ(writer.read_line(), "0");
+    const auto reader = open_session_reader(folder.session(), {});
+    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    std::uint64_t before = 0;
+    // What the writer has acknowledged is there at the next refresh, whole, and never goes back.
+    for (std::string line = writer.read_line(); !line.empty(); line = writer.read_line()) {
+        const std::uint64_t acknowledged = std::stoull(line) + 1;
+        ASSERT_TRUE((*reader)->refresh().ok());
+        const auto scene = (*reader)->scene();
+        ASSERT_TRUE(scene.ok()) << scene.error().message;
+        EXPECT_GE(scene->version, acknowledged);
+        EXPECT_GE(scene->version, before);
+        before = scene->version;
+        ASSERT_EQ(testing::difference(**reader), "");
+    }
+    EXPECT_EQ(writer.finish(), 0);
+    ASSERT_TRUE((*reader)->refresh().ok());
+    EXPECT_EQ((*reader)->scene()->version, kImages);
+    const auto report = (*reader)->check({});
+    EXPECT_TRUE(report->damaged.empty());
+}
+
+TEST(SessionReader, IsSafeToUseFromManyThreadsWhileItFollows) {
+    const TemporaryFolder folder;
+    ChildProcess writer({"write", folder.session().string(), "40"});
+    ASSERT_EQ(writer.read_line(), "0");
+    const auto reader = open_session_reader(folder.session(), {});
+    ASSERT_TRUE(reader.ok());
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 3; ++t) {
+        threads.emplace_back([&reader] {
+            for (int i = 0; i < 10; ++i) {
+                EXPECT_EQ(testing::difference(**reader), "");
+                EXPECT_TRUE((*reader)->refresh().ok());
+            }
+        });
+    }
+    threads.clear();
+    EXPECT_EQ(writer.finish(), 0);
+}
+
+TEST(SessionReader, CleansUpBehindItselfAndBehindTheDead) {
+    const TemporaryFolder folder;
+    ASSERT_TRUE(SessionStore::open(folder.session(), {}).ok());
+    {
+        const auto first = open_session_reader(folder.session(), {});
+        const auto second = open_session_reader(folder.session(), {});
+        ASSERT_TRUE(first.ok() && second.ok());
+        EXPECT_EQ(reader_folders(folder.session()), 2U);
+        fs::create_directory(folder.session() / kReadersFolder / "12345-0");
+        // The writer removes what nobody holds, and only that.
+        ASSERT_TRUE(SessionStore::open(folder.session(), {}).ok());
+        EXPECT_EQ(reader_folders(folder.session()), 2U);
+    }
+    EXPECT_EQ(reader_folders(folder.session()), 0U);
+}
+
+}  // namespace
+}  // namespace psfm

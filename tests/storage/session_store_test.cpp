@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/session_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/storage/random_values.h"
+#include "tests/storage/test_session.h"
+
+namespace psfm {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+std::unique_ptr<SessionStore> open(const TemporaryFolder& folder, StoreOptions options = {}) {
+    auto store = SessionStore::open(folder.session(), options);
+    EXPECT_TRUE(store.ok()) << (store ? "" : store.error().message);
+    return store ? std::move(*store) : nullptr;
+}
+
+TEST(SessionStore, IsEmptyWhenNew) {
+    const TemporaryFolder folder;
+    const auto store = open(folder);
+    EXPECT_TRUE(store->images()->empty());
+    EXPECT_TRUE(store->cameras()->empty());
+    EXPECT_TRUE(store->rejected()->empty());
+    EXPECT_TRUE(store->clusters()->empty());
+    EXPECT_EQ(*store->verified_image_count(), 0U);
+    EXPECT_EQ(store->scene()->version, 0U);
+    EXPECT_EQ(*store->scene_summary_json(), "");
+    EXPECT_FALSE(store->solution(ClusterId{0})->has_value());
+    EXPECT_EQ(store->settings().error().code, ErrorCode::kNotFound);
+    EXPECT_EQ(store->keypoints(ImageId{0}).error().code, ErrorCode::kNotFound);
+    EXPECT_EQ(store->pairs_of(ImageId{0}).error().code, ErrorCode::kNotFound);
+    EXPECT_EQ(store->scene_after(100).error().code, ErrorCode::kNotFound);
+    EXPECT_TRUE(store->check({})->damaged.empty());
+}
+
+TEST(SessionStore, HoldsEveryCommitBeforeAndAfterReopening) {
+    const TemporaryFolder folder;
+    constexpr std::uint32_t kImages = 12;
+    {
+        const auto store = open(folder);
+        ASSERT_TRUE(store->put_settings({"/photos", "{}"}).ok());
+        for (std::uint32_t image = 0; image < kImages; ++image) {
+            ASSERT_TRUE(testing::commit_all(*store, image));
+            ASSERT_EQ(testing::difference(*store), "") << image;
+        }
+    }
+    const auto store = open(folder);
+    EXPECT_EQ(testing::difference(*store), "");
+    EXPECT_EQ(store->images()->size(), kImages);
+    EXPECT_EQ(*store->verified_image_count(), kImages);
+    EXPECT_EQ(store->settings()->photo_folder, "/photos");
+    EXPECT_EQ(store->cameras()->at(CameraId{0}), testing::expected_camera());
+    EXPECT_EQ(store->scene()->version, kImages);
+    EXPECT_EQ(*store->scene_summary_json(), "{\"version\":12}");
+    EXPECT_TRUE(testing::commit_all(*store, kImages));
+    const auto report = store->check({});
+    ASSERT_TRUE(report.ok());
+    EXPECT_TRUE(report->damaged.empty());
+    EXPECT_THAT(report->records,
+                ::testing::Contains(std::pair<std::string, std::uint64_t>("image", kImages + 1)));
+}
+
+TEST(SessionStore, ServesTheSameWithHardlyAnyCache) {
+    const TemporaryFolder folder;
+    StoreOptions options;
+    options.cache_bytes = 1000;
+    const auto store = open(folder, options);
+    for (std::uint32_t image = 0; image < 8; ++image) {
+        ASSERT_TRUE(testing::commit_all(*store, image));
+    }
+    EXPECT_EQ(testing::difference(*store), "");
+}
+
+TEST(SessionStore, CachesDecodedDescriptors) {
+    const TemporaryFolder folder;
+    const auto store = open(folder);
+    ASSERT_TRUE(testing::commit_all(*store, 0));
+    EXPECT_EQ(store->descriptors(ImageId{0})->get(), store->descriptors(ImageId{0})->get());
+}
+
+TEST(SessionStore, RemembersRejectedPhotographsUntilTheyAreAccepted) {
+    const TemporaryFolder folder;
+    const Image image = testing::expected_image(0);
+    {
+        const auto store = open(folder);
+        ASSERT_TRUE(store->commit_rejected({"b.jpg", "is empty", 5, 0}).ok());
+        ASSERT_TRUE(store->commit_rejected({"a.jpg", "is text", 0, 12}).ok());
+        ASSERT_TRUE(store->commit_rejected({image.name, "is cut off", 0, 99}).ok());
+        ASSERT_TRUE(testing::commit_all(*store, 0));
+    }
+    const auto store = open(folder);
+    const auto rejected = store->rejected();
+    ASSERT_EQ(rejected->size(), 2U);
+    EXPECT_EQ((*rejected)[0].name, "a.jpg");
+    EXPECT_EQ((*rejected)[0].file_size, 12);
+    EXPECT_EQ((*rejected)[1].reason, "is empty");
+    EXPECT_EQ((*rejected)[1].content_hash, 5U);
+}
+
+TEST(SessionStore, RefusesCommitsOutOfOrder) {
+    const TemporaryFolder folder;
+    const auto store = open(folder);
+    ASSERT_TRUE(testing::commit_all(*store, 0));
+    const auto refused = [](const Result<void>& result) {
+        return !result.ok() && result.error().code == ErrorCode::kInvalidArgument;
+    };
+    const auto image = [](std::uint32_t id) { return testing::expected_image(id); };
+    const Camera camera = testing::expected_camera();
+    const Keypoints keypoints = testing::expected_keypoints(1);
+    const Descriptors descriptors = testing::expected_descriptors(1);
+    EXPECT_TRUE(refused(store->commit_image(image(0), camera, keypoints, descriptors)));
+    EXPECT_TRUE(refused(store->commit_image(image(2), camera, keypoints, descriptors)));
+    EXPECT_TRUE(refused(store->commit_image(image(1), camera, {}, descriptors)));
+    EXPECT_TRUE(refused(store->commit_pairs(ImageId{0}, {}, {}, {})));
+    EXPECT_TRUE(refused(store->commit_pairs(ImageId{1}, {}, {}, {})));
+    EXPECT_TRUE(refused(store->commit_scene(testing::expected_scene(0))));
+    EXPECT_TRUE(refused(store->commit_scene(testing::expected_scene(1))));
+    StoredSceneVersion unknown = testing::expected_scene(0);
+    unknown.version = 2;
+    unknown.placements[0].revision = 1;
+    EXPECT_TRUE(refused(store->commit_scene(unknown)));
+    // Nothing of all that is there, and the right commits still work.
+    EXPECT_EQ(testing::difference(*store), "");
+    EXPECT_TRUE(testing::commit_all(*store, 1));
+    EXPECT_TRUE(testing::commit_all(*store, 2));
+    EXPECT_TRUE(refused(
+        store->commit_solution(testing::expected_solution(2), testing::expected_cluster(2, true))));
+}
+
+TEST(SessionStore, TakesImagesWithoutDescriptorsAndEmptySolutions) {
+    const TemporaryFolder folder;
+    const auto store = open(folder);
+    ASSERT_TRUE(store
+                    ->commit_image(testing::expected_image(0), testing::expected_camera(),
+                                   testing::expected_keypoints(0), {})
+                    .ok());
+    const StoredCluster cluster{ClusterId{5}, {ImageId{0}}, 1, 0, 0};
+    ASSERT_TRUE(store->commit_pairs(ImageId{0}, {}, {cluster}, {}).ok());
+    ASSERT_TRUE(store
+                    ->commit_solution({ClusterId{5}, 1, nullptr, "{}"},
+                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1})
+                    .ok());
+    EXPECT_EQ((*store->descriptors(ImageId{0}))->rows(), 0U);
+    ASSERT_TRUE(store->solution(ClusterId{5})->has_value());
+    EXPECT_TRUE((*store->solution(ClusterId{5}))->model->empty());
+    EXPECT_TRUE(store->check({})->damaged.empty());
+}
+
+TEST(SessionStore, NeverBringsRemovedClustersBack) {
+    const TemporaryFolder folder;
+    Result<void> late;
+    {
+        const auto store = open(folder);
+        for (std::uint32_t image = 0; image < 4; ++image) {
+            ASSERT_TRUE(testing::commit_all(*store, image));
+        }
+        ASSERT_TRUE(store
+                        ->commit_image(testing::expected_image(4), testing::expected_camera(),
+                                       testing::expected_keypoints(4),
+                                       testing::expected_descriptors(4))
+                        .ok());
+        const StoredCluster successor{ClusterId{1}, testing::first_images(5), 1, 0, 0, 0};
+        ASSERT_TRUE(
+            store->commit_pairs(ImageId{4}, testing::expected_pairs(4), {successor}, {ClusterId{0}})
+                .ok());
+        // A solve that was under way when the cluster was removed.
+        ASSERT_TRUE(
+            store
+                ->commit_solution(testing::expected_solution(4), testing::expected_cluster(4, true))
+                .ok());
+    }
+    const auto store = open(folder);
+    ASSERT_EQ(store->clusters()->size(), 1U);
+    EXPECT_EQ(store->clusters()->front().id, ClusterId{1});
+    // Material for the successor: still there, as is what the scene shows.
+    EXPECT_EQ((*store->solution(ClusterId{0}))->revision, testing::expected_solution(4).revision);
+    EXPECT_FALSE(store->scene()->clusters.front()->model->points.empty());
+    ASSERT_TRUE(
+        store->commit_image(testing::expected_image(5), testing::expected_camera(), {}, {}).ok());
+    const auto again =
+        store->commit_pairs(ImageId{5}, {}, {testing::expected_cluster(5, false)}, {});
+    ASSERT_FALSE(again.ok());
+    EXPECT_THAT(again.error().message, HasSubstr("never used again"));
+    EXPECT_TRUE(store->check({})->damaged.empty());
+}
+
+}  // namespace
+}  // namespace psfm
