@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/verification/verify_pair.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -62,6 +63,34 @@ Error degenerate(std::size_t inliers, std::size_t matches, std::size_t required)
                                         std::to_string(required) + " are needed"};
 }
 
+Error on_a_line() {
+    return {ErrorCode::kDegenerate,
+            "the matches that agree lie on one line of an image, which fits many geometries"};
+}
+
+/// Root mean square distance [px] of points from the line that fits them best.
+double spread_across(std::span<const PointPair> pixels, const Indices& indices,
+                     Eigen::Vector2d PointPair::*side) {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const std::uint32_t i : indices) mean += pixels[i].*side;
+    mean /= static_cast<double>(indices.size());
+    Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+    for (const std::uint32_t i : indices) {
+        const Eigen::Vector2d offset = pixels[i].*side - mean;
+        scatter += offset * offset.transpose();
+    }
+    scatter /= static_cast<double>(indices.size());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter, Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
+}
+
+/// Points on one line of an image determine no model, however well they fit one.
+bool lie_on_a_line(const TwoViewProblem& problem, const TwoViewModel& model,
+                   const VerifyOptions& options) {
+    return spread_across(problem.pixels, model.inliers, &PointPair::x1) <= options.max_error_px ||
+           spread_across(problem.pixels, model.inliers, &PointPair::x2) <= options.max_error_px;
+}
+
 TwoViewGeometry geometry_of(const TwoViewProblem& problem, const TwoViewModel& model) {
     TwoViewGeometry geometry;
     geometry.kind = model.kind;
@@ -99,6 +128,7 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
     TwoViewGeometry geometry = geometry_of(problem, *model);
     if (geometry.inliers.size() < required)
         return degenerate(geometry.inliers.size(), count, required);
+    if (lie_on_a_line(problem, *model, options)) return on_a_line();
     return geometry;
 }
 

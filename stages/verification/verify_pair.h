@@ -24,7 +24,8 @@ namespace psfm {
 /// @return "1" is the views' first image. Inliers lie within max_error_px of the geometry. With an
 ///   unknown focal length the pose is that of the cameras' guess (see with_intrinsics).
 /// @errors kTooFewMatches (fewer than min_inliers), kDegenerate (no model has min_inliers and
-///   min_inlier_ratio), kInvalidArgument (options, cameras, feature indices)
+///   min_inlier_ratio, or those that agree lie on one line), kInvalidArgument (options, cameras,
+///   feature indices)
 /// Deterministic for equal inputs and seed; the order of the matches does not matter. Thread-safe.
 Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& options,
                                     std::uint64_t seed);

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/verification/run_verification.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "stages/verification/invert_two_view_geometry.h"
+#include "tests/synthetic/disturb.h"
+#include "tests/synthetic/rng.h"
+#include "tests/synthetic/scene.h"
+
+namespace psfm {
+namespace {
+
+/// Images of a ring about a ball: neighbours see the same side, opposite ones nothing in common.
+std::vector<ImageFeatures> make_images() {
+    synthetic::SceneOptions options = synthetic::ring_around_sphere(8);
+    options.visibility.max_features = 300;
+    const synthetic::SyntheticScene scene =
+        add_clutter(add_pixel_noise(make_scene(options, 4), 0.4, 5), 60, 6);
+    std::vector<ImageFeatures> images;
+    for (std::uint32_t i = 0; i < scene.images.size(); ++i) {
+        const auto id = ImageId{i};
+        ImageFeatures image{id, scene.camera_of(id), synthetic::mix_seed(99, i), nullptr, nullptr};
+        image.camera.focal_source = FocalSource::kGiven;
+        image.keypoints = std::make_shared<const Keypoints>(scene.images[i].keypoints);
+        image.descriptors = std::make_shared<const Descriptors>(make_descriptors(scene, id, 0.1));
+        images.push_back(std::move(image));
+    }
+    return images;
+}
+
+VerificationInput last_against_all(const std::vector<ImageFeatures>& images) {
+    VerificationInput input;
+    input.image = images.back();
+    for (std::size_t i = 0; i + 1 < images.size(); ++i) input.candidates.push_back(images[i].id);
+    input.load = loader_of(images);
+    input.seed = 7;
+    return input;
+}
+
+void expect_equal(const TwoViewGeometry& a, const TwoViewGeometry& b) {
+    EXPECT_EQ(a.kind, b.kind);
+    EXPECT_EQ(a.inliers, b.inliers);
+    EXPECT_EQ(a.matrix, b.matrix);
+    EXPECT_EQ(a.cam2_from_cam1.rotation.coeffs(), b.cam2_from_cam1.rotation.coeffs());
+    EXPECT_EQ(a.cam2_from_cam1.translation, b.cam2_from_cam1.translation);
+    EXPECT_EQ(a.median_angle_deg, b.median_angle_deg);
+}
+
+void expect_equal(const VerificationOutput& a, const VerificationOutput& b) {
+    ASSERT_EQ(a.pairs.size(), b.pairs.size());
+    for (std::size_t i = 0; i < a.pairs.size(); ++i) {
+        EXPECT_EQ(a.pairs[i]->pair, b.pairs[i]->pair);
+        expect_equal(a.pairs[i]->geometry, b.pairs[i]->geometry);
+    }
+}
+
+TEST(RunVerification, FindsTheNeighboursAndCountsTheRest) {
+    const std::vector<ImageFeatures> images = make_images();
+    const Result<VerificationOutput> output = run_verification(last_against_all(images), {});
+    ASSERT_TRUE(output.ok()) << output.error().message;
+    ASSERT_GE(output->pairs.size(), 2U);
+    EXPECT_TRUE(std::ranges::is_sorted(output->pairs, {}, [](const auto& p) { return p->pair; }));
+    const auto has = [&](std::uint32_t other) {
+        return std::ranges::any_of(output->pairs, [&](const auto& p) {
+            return p->pair == ImagePair::of(ImageId{other}, ImageId{7});
+        });
+    };
+    EXPECT_TRUE(has(0));
+    EXPECT_TRUE(has(6));
+    EXPECT_FALSE(has(3)) << "the other side of the ball";
+    const VerificationStatistics& s = output->statistics;
+    EXPECT_EQ(s.tried, 7U);
+    EXPECT_EQ(s.verified, output->pairs.size());
+    EXPECT_EQ(s.verified + s.too_few_matches + s.degenerate + s.too_few_strongest, s.tried);
+    EXPECT_GT(s.inliers, 100U);
+    EXPECT_GE(s.putative_matches, s.inliers);
+}
+
+TEST(RunVerification, ThreadsDoNotChangeTheResult) {
+    const std::vector<ImageFeatures> images = make_images();
+    const auto on_threads = [&](std::size_t count) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, count);
+        return run_verification(last_against_all(images), {});
+    };
+    const Result<VerificationOutput> one = on_threads(1);
+    ASSERT_TRUE(one.ok()) << one.error().message;
+    for (const std::size_t count : {2U, 4U}) {
+        const Result<VerificationOutput> several = on_threads(count);
+        ASSERT_TRUE(several.ok());
+        expect_equal(*one, *several);
+    }
+}
+
+TEST(RunVerification, OrderAndRepetitionOfCandidatesDoNotChangeTheResult) {
+    const std::vector<ImageFeatures> images = make_images();
+    VerificationInput input = last_against_all(images);
+    const Result<VerificationOutput> straight = run_verification(input, {});
+    std::ranges::reverse(input.candidates);
+    input.candidates.push_back(ImageId{0});
+    const Result<VerificationOutput> reversed = run_verification(input, {});
+    ASSERT_TRUE(straight.ok() && reversed.ok());
+    expect_equal(*straight, *reversed);
+    EXPECT_EQ(reversed->statistics.tried, 7U);
+}
+
+/// The promise of DESIGN.md: a pair verifies alike in every order of arrival.
+TEST(RunVerification, ExchangedArrivalGivesTheInverseGeometryExactly) {
+    std::vector<ImageFeatures> images = make_images();
+    for (const std::size_t other : {0U, 1U, 5U, 6U}) {
+        ImageFeatures a = images[7];
+        ImageFeatures b = images[other];
+        const auto verify = [](ImageFeatures first, ImageFeatures second) {
+            first.id = ImageId{0};
+            second.id = ImageId{1};
+            VerificationInput input{second, {first.id}, loader_of({first}), 7};
+            return run_verification(input, {});
+        };
+        const Result<VerificationOutput> ab = verify(a, b);
+        const Result<VerificationOutput> ba = verify(b, a);
+        ASSERT_TRUE(ab.ok() && ba.ok());
+        ASSERT_EQ(ab->pairs.size(), ba->pairs.size());
+        if (ab->pairs.empty()) continue;
+        const TwoViewGeometry& straight = ab->pairs[0]->geometry;
+        const TwoViewGeometry inverted = invert(ba->pairs[0]->geometry);
+        EXPECT_EQ(straight.kind, inverted.kind);
+        EXPECT_EQ(straight.inliers, inverted.inliers);
+        EXPECT_LT((straight.matrix - inverted.matrix).norm(), 1e-12);
+        EXPECT_LT(angle_between(straight.cam2_from_cam1.rotation, inverted.cam2_from_cam1.rotation),
+                  1e-7);
+        EXPECT_LT(
+            (straight.cam2_from_cam1.translation - inverted.cam2_from_cam1.translation).norm(),
+            1e-12);
+        EXPECT_EQ(straight.median_angle_deg, inverted.median_angle_deg);
+    }
+}
+
+TEST(RunVerification, CheapTestLeavesOutWhatHasNothingInCommon) {
+    const std::vector<ImageFeatures> images = make_images();
+    VerificationOptions options;
+    options.min_strongest_matches = 8;
+    const Result<VerificationOutput> all = run_verification(last_against_all(images), {});
+    const Result<VerificationOutput> some = run_verification(last_against_all(images), options);
+    ASSERT_TRUE(all.ok() && some.ok());
+    expect_equal(*all, *some);
+    EXPECT_GT(some->statistics.too_few_strongest, 0U);
+}
+
+TEST(RunVerification, NoCandidates) {
+    VerificationInput input = last_against_all(make_images());
+    input.candidates.clear();
+    const Result<VerificationOutput> output = run_verification(input, {});
+    ASSERT_TRUE(output.ok());
+    EXPECT_TRUE(output->pairs.empty());
+    EXPECT_EQ(output->statistics.tried, 0U);
+}
+
+TEST(RunVerification, ReportsTheLoadersErrorOfTheSmallestId) {
+    const std::vector<ImageFeatures> images = make_images();
+    VerificationInput input = last_against_all(images);
+    input.load = [good = loader_of(images)](ImageId id) -> Result<ImageFeatures> {
+        if (id == ImageId{2}) return Error{ErrorCode::kDamaged, "record of image 2"};
+        if (id == ImageId{4}) return Error{ErrorCode::kIo, "record of image 4"};
+        return good(id);
+    };
+    const Result<VerificationOutput> output = run_verification(input, {});
+    ASSERT_FALSE(output.ok());
+    EXPECT_EQ(output.error().code, ErrorCode::kDamaged);
+}
+
+TEST(RunVerification, TurnsExceptionsIntoErrors) {
+    VerificationInput input = last_against_all(make_images());
+    input.load = [](ImageId) -> Result<ImageFeatures> { throw std::runtime_error("out of luck"); };
+    const Result<VerificationOutput> output = run_verification(input, {});
+    ASSERT_FALSE(output.ok());
+    EXPECT_EQ(output.error().code, ErrorCode::kInternal);
+    EXPECT_NE(output.error().message.find("out of luck"), std::string::npos);
+}
+
+TEST(RunVerification, NamesBadInput) {
+    const std::vector<ImageFeatures> images = make_images();
+    VerificationInput own = last_against_all(images);
+    own.candidates.push_back(own.image.id);
+    EXPECT_EQ(run_verification(own, {}).error().code, ErrorCode::kInvalidArgument);
+    VerificationInput without = last_against_all(images);
+    without.image.descriptors = nullptr;
+    EXPECT_EQ(run_verification(without, {}).error().code, ErrorCode::kInvalidArgument);
+    VerificationOptions options;
+    options.verify.confidence = 1.0;
+    EXPECT_EQ(run_verification(last_against_all(images), options).error().code,
+              ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace psfm
