@@ -95,9 +95,10 @@ bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem
 }  // namespace
 
 Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem, const SolveOptions& options,
-                        SolveState& state, SolveStatistics& statistics) {
+                        const std::atomic<bool>* cancel, SolveState& state, SolveStatistics& statistics) {
     std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
     while (const auto image = next_image(model, points_at_last_try, options.absolute_pose.min_inliers)) {
+        if (cancel != nullptr && cancel->load()) return Error{ErrorCode::kCancelled, "stopped on request"};
         points_at_last_try[*image] = model.visible_points(*image);
         if (!register_image(model, *image, problem, options)) continue;
         if (!settle_image(model, *image, problem, options, statistics)) continue;

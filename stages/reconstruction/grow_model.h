@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -17,8 +18,8 @@ namespace psfm {
 /// its surroundings adjusted; all of the model is adjusted whenever it has grown by eta_grow.
 /// @param state  images at the last full adjustment: read and written
 /// @return counts; SolveStatistics::kind is left alone
-/// @errors kDegenerate (an adjustment of all of the model failed)
+/// @errors kDegenerate (an adjustment of all of the model failed), kCancelled
 Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem, const SolveOptions& options,
-                        SolveState& state, SolveStatistics& statistics);
+                        const std::atomic<bool>* cancel, SolveState& state, SolveStatistics& statistics);
 
 }  // namespace psfm

@@ -50,7 +50,7 @@ struct Attempt {
 
 /// Starts from the best pair; from another one when most images stayed out. Keeps the larger model.
 Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph, const CorrespondenceGraph& matches,
-                          const SolveOptions& options) {
+                          const SolveOptions& options, const std::atomic<bool>* cancel) {
     constexpr int kStarts = 3;
     Attempt best;
     std::vector<bool> used(problem.images.size(), false);
@@ -62,7 +62,8 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
         Attempt attempt;
         attempt.state.images_at_full_adjustment = model.registered_count();
         attempt.statistics.registered = model.registered_count();
-        const auto grown = grow_model(model, problem, options, attempt.state, attempt.statistics);
+        const auto grown = grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
+        if (!grown.ok() && grown.error().code == ErrorCode::kCancelled) return grown.error();
         if (grown.ok() && model.registered_count() > best.model.images.size()) {
             const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
             if (adjustments.ok()) {
@@ -82,13 +83,13 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
 }
 
 Result<Attempt> solve_extend(const ClusterProblem& problem, const LocalGraph& graph, const CorrespondenceGraph& matches,
-                             const SolveOptions& options) {
+                             const SolveOptions& options, const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
     use_cameras(model, graph);
     model.load(*problem.recycled);
     Attempt attempt;
     attempt.state = problem.recycled_state;
-    const auto grown = grow_model(model, problem, options, attempt.state, attempt.statistics);
+    const auto grown = grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
     if (problem.settle) {
         const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
@@ -116,7 +117,7 @@ double mean_error_px(const Reconstruction& model) {
     return model.points.empty() ? 0.0 : sum / static_cast<double>(model.points.size());
 }
 
-Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options) {
+Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options, const std::atomic<bool>* cancel) {
     ClusterSolution solution;
     solution.cluster = problem.cluster;
     solution.topology = problem.topology;
@@ -129,8 +130,8 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
         if (!graph.ok()) return graph.error();
         const CorrespondenceGraph matches = correspondences_of(problem, *graph);
         const bool extend = problem.recycled && !problem.recycled->empty();
-        auto attempted = extend ? solve_extend(problem, *graph, matches, options)
-                                : solve_new(problem, *graph, matches, options);
+        auto attempted = extend ? solve_extend(problem, *graph, matches, options, cancel)
+                                : solve_new(problem, *graph, matches, options, cancel);
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
         attempt.statistics.kind = !extend          ? SolveKind::kNew
@@ -159,12 +160,13 @@ const char* name_of(SolveKind kind) {
     return "unknown";
 }
 
-Result<ClusterSolution> solve_cluster(const ClusterProblem& problem, const SolveOptions& options) {
+Result<ClusterSolution> solve_cluster(const ClusterProblem& problem, const SolveOptions& options,
+                                      const std::atomic<bool>* cancel) {
     if (const auto valid = validate(options); !valid.ok()) return valid.error();
     if (const auto valid = check_problem(problem); !valid.ok()) return valid.error();
     const auto start = std::chrono::steady_clock::now();
     try {
-        auto solution = solve(problem, options);
+        auto solution = solve(problem, options, cancel);
         if (solution.ok()) {
             const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
             solution->statistics.milliseconds = elapsed.count();

@@ -8,7 +8,9 @@
 #include "stages/reconstruction/absolute_pose.h"
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/bundle_adjustment.h"
+#include "stages/reconstruction/calibrate_focals.h"
 #include "stages/reconstruction/triangulation.h"
+#include "stages/verification/verify_options.h"
 
 namespace psfm {
 
@@ -54,6 +56,8 @@ struct SolveOptions {
                              .max_rounds = 2};
     RefinementOptions settling;
     RotationAveragingOptions rotation_averaging;
+    FocalCalibrationOptions focal_calibration;
+    VerifyOptions verification;  ///< of pairs whose focal lengths have become known since they were verified
 };
 
 Result<void> validate(const SolveOptions& options);

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "graph/result.h"
+#include "scheduler/messages.h"
+#include "scheduler/session_config.h"
+#include "scheduler/session_state.h"
+
+namespace psfm {
+
+/// What one message makes the commit node send on.
+struct CommitOutput {
+    std::vector<AcceptedImagePtr> accepted;  ///< to retrieval, in order of acceptance
+    std::vector<SolveMessage> solves;
+    std::optional<MergeMessage> merge;
+    std::optional<PublishMessage> publish;
+};
+
+/// The one writer of a session: applies what the stages found to the state, stores it (the commit points of
+/// DESIGN.md section 4), and decides what is solved, merged and published next. Serial; no TBB in here, so
+/// that the whole life of a session can be tested message by message.
+///
+/// REQUIRES of the caller: Extracted messages in order of sequence, Verified messages in order of image id.
+class Committer {
+  public:
+    Committer(SessionStore& store, SessionConfig config, StageOptions options, SessionState state);
+
+    /// @errors those of the store: the session cannot go on, and everything acknowledged is safe. After an
+    /// error every further message is ignored.
+    Result<CommitOutput> handle(const CommitInput& message);
+
+    const SessionState& state() const { return state_; }
+
+  private:
+    Result<void> on(const ExtractedMessage& message, CommitOutput& output);
+    Result<void> on(const ResumedImage& message, CommitOutput& output);
+    Result<void> on(const VerifiedMessage& message, CommitOutput& output);
+    Result<void> on(const SolvedMessage& message, CommitOutput& output);
+    Result<void> on(const MergedMessage& message, CommitOutput& output);
+    Result<void> on(const EndOfPhotos& message, CommitOutput& output);
+
+    Result<void> reject(const ExtractedMessage& message, const std::string& reason, std::uint64_t hash, CommitOutput& output);
+    void advance(CommitOutput& output);
+    std::shared_ptr<const ClusterProblem> make_problem(const ClusterEntry& entry, bool settle) const;
+    std::shared_ptr<const MergeProblem> make_merge_problem() const;
+    void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
+    void count(const Scene& scene);
+    StoredCluster stored(const ClusterEntry& entry) const;
+
+    SessionStore* store_;
+    SessionConfig config_;
+    StageOptions options_;
+    SessionState state_;
+    std::vector<SessionEvent> events_;  // since the last publication
+    std::uint32_t photos_released_ = 0;
+    std::uint32_t images_released_ = 0;
+    bool ended_ = false;          // no photograph will follow
+    bool settled_ = false;        // the settling solves were sent out
+    bool merging_ = false;        // one merge in flight at most
+    bool changed_ = false;        // something is to be merged and published
+    bool failed_ = false;
+};
+
+}  // namespace psfm

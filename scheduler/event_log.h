@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "graph/result.h"
+#include "scheduler/messages.h"
+
+namespace psfm {
+
+/// The log of a session as JSON lines (DESIGN.md section 5): an "image" event for every image once a published
+/// version takes account of it, "rejected", "join", "split", "reset", "transfer" and "solve" events as they happen.
+/// Every line is flushed, so that the log can be followed. Appends. Not thread-safe.
+class EventLog {
+  public:
+    /// @errors kIo, kNoSpace (the file cannot be opened for writing)
+    static Result<std::unique_ptr<EventLog>> open(const std::filesystem::path& file);
+
+    void write(const PublishMessage& publish);
+    bool good() const { return stream_.good(); }
+
+  private:
+    explicit EventLog(std::ofstream stream) : stream_(std::move(stream)) {}
+    std::ofstream stream_;
+};
+
+/// One event or image as a line of JSON, without the line's end.
+std::string log_line(const ImageReport& image, const SessionCounts& counts);
+std::string log_line(const SessionEvent& event);
+const char* name_of(SessionEvent::Kind kind);
+
+}  // namespace psfm

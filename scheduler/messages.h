@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "graph/camera.h"
+#include "graph/image.h"
+#include "graph/result.h"
+#include "graph/scene.h"
+#include "graph/two_view_geometry.h"
+#include "stages/features/photo_file.h"
+#include "stages/features/run_features.h"
+#include "stages/merge/run_merge.h"
+#include "stages/reconstruction/cluster_problem.h"
+
+namespace psfm {
+
+// What travels along the arrows of the flow graph. Messages are values; what they point to is immutable.
+
+using Clock = std::chrono::steady_clock;
+
+/// A photograph that was admitted. Sequence numbers are consecutive from 0 in one process.
+struct ArrivedPhoto {
+    std::uint64_t sequence = 0;
+    PhotoFile file;
+    Clock::time_point arrival;
+};
+
+struct ExtractedMessage {
+    std::uint64_t sequence = 0;
+    PhotoFile file;
+    Clock::time_point arrival;
+    std::shared_ptr<const Result<ExtractedPhoto>> photo;
+    double extract_ms = 0.0;
+};
+
+/// An image that the session has acknowledged.
+struct AcceptedImage {
+    Image image;
+    Camera camera;
+    std::shared_ptr<const Keypoints> keypoints;
+    std::shared_ptr<const Descriptors> descriptors;
+};
+using AcceptedImagePtr = std::shared_ptr<const AcceptedImage>;
+
+/// What verification has to know of an earlier image; its features come from the store.
+struct KnownImage {
+    ImageId id{};
+    Camera camera;
+    std::uint64_t content_hash = 0;
+};
+
+struct RetrievedMessage {
+    AcceptedImagePtr image;
+    std::shared_ptr<const Result<std::vector<KnownImage>>> candidates;  ///< ascending by id
+    double retrieve_ms = 0.0;
+};
+
+struct VerifiedMessage {
+    ImageId image{};
+    std::shared_ptr<const Result<std::vector<VerifiedPairPtr>>> pairs;
+    double retrieve_ms = 0.0;
+    double verify_ms = 0.0;
+};
+
+struct SolveMessage {
+    std::shared_ptr<const ClusterProblem> problem;
+};
+
+struct SolvedMessage {
+    std::shared_ptr<const ClusterProblem> problem;
+    std::shared_ptr<const Result<ClusterSolution>> solution;
+};
+
+struct MergeMessage {
+    std::shared_ptr<const MergeProblem> problem;
+};
+
+struct MergedMessage {
+    std::shared_ptr<const MergeProblem> problem;
+    std::shared_ptr<const Result<MergeResult>> result;
+    double merge_ms = 0.0;
+};
+
+/// No photograph will follow: solve what is waiting, then adjust every model to convergence.
+struct EndOfPhotos {};
+
+/// An image that was acknowledged by an earlier process and is not verified yet.
+struct ResumedImage {
+    AcceptedImagePtr image;
+};
+
+using CommitInput =
+    std::variant<ExtractedMessage, ResumedImage, VerifiedMessage, SolvedMessage, MergedMessage, EndOfPhotos>;
+
+/// One line of the log: an image, once a published version takes account of it.
+struct ImageReport {
+    std::uint32_t index = 0;  ///< 1 for the session's first image
+    std::string name;
+    double latency_ms = 0.0;  ///< from admission to publication
+    double extract_ms = 0.0, retrieve_ms = 0.0, verify_ms = 0.0, cluster_ms = 0.0, solve_ms = 0.0, merge_ms = 0.0;
+};
+
+/// Something that happened to a cluster or a photograph, for people.
+struct SessionEvent {
+    enum class Kind : std::uint8_t { kRejected, kJoin, kSplit, kReset, kTransfer, kSolve };
+    Kind kind{};
+    std::string text;                  ///< one sentence
+    std::vector<std::string> images;   ///< names concerned, at most a few
+    std::vector<std::uint32_t> clusters;
+    std::string detail_json;           ///< an object with further fields for the log; may be empty
+};
+
+/// The counts that `status` and the log show.
+struct SessionCounts {
+    std::uint32_t images = 0, placed = 0, waiting = 0, rejected = 0;
+    std::uint32_t clusters = 0;            ///< with a model
+    std::uint32_t effective_clusters = 0;
+    std::uint64_t version = 0;
+    std::uint32_t resets = 0;
+    std::uint32_t solves_new = 0, solves_extend = 0, solves_settle = 0, solves_skipped = 0, solves_coalesced = 0;
+};
+
+/// What the commit node tells the world.
+struct PublishMessage {
+    ScenePtr scene;  ///< null when only events happened
+    SessionCounts counts;
+    std::vector<ImageReport> images;   ///< ascending by index
+    std::vector<SessionEvent> events;  ///< in the order they happened
+    std::uint32_t photos_released = 0;  ///< admission tokens given back
+    std::uint32_t images_released = 0;
+};
+
+}  // namespace psfm

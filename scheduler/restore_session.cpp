@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "scheduler/encode_state.h"
+#include "scheduler/session_state.h"
+#include "stages/features/assign_camera.h"
+
+namespace psfm {
+namespace {
+
+Result<void> restore_images(const SessionReader& store, const SessionConfig& config, RestoredSession& restored) {
+    SessionState& state = restored.state;
+    auto images = store.images();
+    if (!images.ok()) return images.error();
+    auto cameras = store.cameras();
+    if (!cameras.ok()) return cameras.error();
+    auto rejected = store.rejected();
+    if (!rejected.ok()) return rejected.error();
+    const auto verified = store.verified_image_count();
+    if (!verified.ok()) return verified.error();
+    state.images = *std::move(images);
+    state.cameras = *std::move(cameras);
+    restored.rejected = *std::move(rejected);
+    state.rejected = static_cast<std::uint32_t>(restored.rejected.size());
+    state.verified = *verified;
+    for (const Image& image : state.images) {
+        auto keypoints = store.keypoints(image.id);
+        if (!keypoints.ok()) return keypoints.error();
+        state.keypoints.push_back(*std::move(keypoints));
+        state.name_of_content.emplace(image.metadata.content_hash, image.name);
+        const auto given = config.given_cameras.find(image.name);
+        const std::string key = given != config.given_cameras.end()
+                                    ? "given:" + given->second.key
+                                    : camera_key(config.camera_sharing, image.metadata, image.name);
+        state.camera_of_key.emplace(key, image.camera);
+    }
+    for (std::size_t i = state.verified; i < state.images.size(); ++i) {
+        auto descriptors = store.descriptors(static_cast<ImageId>(i));
+        if (!descriptors.ok()) return descriptors.error();
+        const Image& image = state.images[i];
+        restored.unverified.push_back(std::make_shared<const AcceptedImage>(
+            AcceptedImage{image, state.cameras.at(image.camera), state.keypoints[i], *std::move(descriptors)}));
+    }
+    return {};
+}
+
+Result<void> restore_view_graph(const SessionReader& store, const EdgeWeightOptions& options, SessionState& state) {
+    for (std::uint32_t i = 0; i < state.verified; ++i) {
+        const ImageId image = state.view_graph.add_node();
+        const auto pairs = store.pairs_of(image);
+        if (!pairs.ok()) return pairs.error();
+        for (const VerifiedPairPtr& pair : *pairs) {
+            const double weight = edge_weight(pair->geometry, options);
+            if (weight > 0.0) state.view_graph.add_edge(pair->pair.first, pair->pair.second, weight, pair);
+        }
+    }
+    return {};
+}
+
+Result<void> restore_clusters(const SessionReader& store, const StageOptions& options, SessionState& state) {
+    const auto clusters = store.clusters();
+    if (!clusters.ok()) return clusters.error();
+    std::vector<ClusterMembers> members;
+    for (const StoredCluster& stored : *clusters) {
+        members.push_back({stored.id, stored.members});
+        ClusterEntry entry;
+        entry.id = stored.id;
+        entry.members = stored.members;
+        entry.topology = stored.topology;
+        entry.solved_topology = stored.solved_topology;
+        entry.revision = stored.revision;
+        entry.anew_topology = stored.anew_topology;
+        const auto solution = store.solution(stored.id);
+        if (!solution.ok()) return solution.error();
+        if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
+            const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
+            const std::shared_ptr<const Reconstruction>& model = (*solution)->model;
+            const bool covered = std::ranges::all_of(model->images, [&](const RegisteredImage& image) {
+                return std::ranges::binary_search(entry.members, image.image);
+            });
+            if (covered) {
+                entry.model = model;
+                entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
+                if (!model->empty() && entry.solved_topology >= entry.anew_topology) {
+                    entry.material = model;
+                    entry.material_state = solve_state.state;
+                }
+            }
+        }
+        state.clusters.restore(std::move(entry));
+    }
+    const auto next = store.next_cluster_id();
+    if (!next.ok()) return next.error();
+    auto clustering = restore_clustering(state.view_graph, members, *next, options.clustering);
+    if (!clustering.ok()) return clustering.error();
+    state.clustering = *std::move(clustering);
+    return {};
+}
+
+}  // namespace
+
+Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config, const StageOptions& options) {
+    RestoredSession restored{SessionState(options.solve.mu_min), {}, {}};
+    if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
+    if (const auto done = restore_view_graph(store, options.edge_weight, restored.state); !done.ok()) return done.error();
+    if (const auto done = restore_clusters(store, options, restored.state); !done.ok()) return done.error();
+    auto scene = store.scene();
+    if (!scene.ok()) return scene.error();
+    const auto summary_text = store.scene_summary_json();
+    if (!summary_text.ok()) return summary_text.error();
+    const auto summary = decode_summary(*summary_text);
+    if (!summary.ok()) return summary.error();
+    restored.state.counts = summary->counts;
+    restored.state.scene = std::make_shared<const Scene>(*std::move(scene));
+    return restored;
+}
+
+}  // namespace psfm

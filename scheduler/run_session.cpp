@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/run_session.h"
+
+#include <tbb/task_arena.h>
+
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "scheduler/admission.h"
+#include "scheduler/committer.h"
+#include "scheduler/session_graph.h"
+#include "scheduler/session_state.h"
+
+namespace psfm {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr auto kPoll = 100ms;  // how soon a stop is noticed
+
+/// Photographs that need not be looked at again.
+class SeenPhotos {
+  public:
+    explicit SeenPhotos(const RestoredSession& restored) {
+        for (const Image& image : restored.state.images) accepted_.insert(image.name);
+        for (const RejectedPhoto& photo : restored.rejected) rejected_[photo.name] = photo.file_size;
+    }
+
+    bool contains(const PhotoFile& photo) const {
+        if (accepted_.contains(photo.name)) return true;
+        const auto rejected = rejected_.find(photo.name);
+        if (rejected == rejected_.end()) return false;
+        std::error_code unknown_size;
+        const auto size = std::filesystem::file_size(photo.path, unknown_size);
+        return !unknown_size && static_cast<std::int64_t>(size) == rejected->second;
+    }
+
+  private:
+    std::set<std::string> accepted_;
+    std::map<std::string, std::int64_t> rejected_;
+};
+
+/// Waits for a token, or for a reason to give up. @return whether there is a token
+bool admit(Admission& tokens, const SessionGraph& graph, const std::atomic<bool>& stop) {
+    while (!stop.load() && !graph.failed()) {
+        if (tokens.acquire_for(kPoll)) return true;
+    }
+    return false;
+}
+
+void feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified, const SeenPhotos& seen,
+          PhotoSource& photos, Admission& photo_tokens, Admission& image_tokens, const std::atomic<bool>& stop) {
+    for (const AcceptedImagePtr& image : unverified) {
+        if (!admit(image_tokens, graph, stop)) return;
+        graph.put(ResumedImage{image});
+    }
+    std::uint64_t sequence = 0;
+    PhotoFile photo;
+    while (!stop.load() && !graph.failed()) {
+        const PhotoSource::Next next = photos.next(photo);
+        if (next == PhotoSource::Next::kEnd) return;
+        if (next == PhotoSource::Next::kLater) {
+            std::this_thread::sleep_for(kPoll);
+            continue;
+        }
+        if (seen.contains(photo)) continue;
+        if (!admit(photo_tokens, graph, stop) || !admit(image_tokens, graph, stop)) return;
+        graph.put(ArrivedPhoto{sequence++, photo, Clock::now()});
+    }
+}
+
+}  // namespace
+
+Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config, const ExecutionOptions& execution,
+                               PhotoSource& photos, SessionObserver& observer, const std::atomic<bool>& stop) {
+    const auto options = stage_options(config);
+    if (!options.ok()) return options.error();
+    auto restored = restore_session(store, config, *options);
+    if (!restored.ok()) return restored.error();
+
+    const SeenPhotos seen(*restored);
+    SessionGraph::Parts parts;
+    for (std::uint32_t i = 0; i < restored->state.verified; ++i) {
+        const Image& image = restored->state.images[i];
+        parts.verified_images.push_back({image.id, restored->state.cameras.at(image.camera), image.metadata.content_hash});
+    }
+    Committer committer(store, config, *options, std::move(restored->state));
+    const int threads = execution.threads > 0 ? execution.threads : static_cast<int>(std::thread::hardware_concurrency());
+    // The thread that feeds the graph sleeps most of the time: it has a slot of its own beside the workers'.
+    tbb::task_arena arena(threads + 1, 1);
+    Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
+    Admission image_tokens(config.deterministic ? 1 : config.batch ? std::numeric_limits<int>::max() : execution.images_in_flight);
+    parts.store = &store;
+    parts.options = &*options;
+    parts.seed = config.seed;
+    parts.committer = &committer;
+    parts.observer = &observer;
+    parts.stop = &stop;
+    parts.photo_tokens = &photo_tokens;
+    parts.image_tokens = &image_tokens;
+    parts.vocabulary_file = config.vocabulary_file;
+    auto graph = SessionGraph::create(parts, arena);
+    if (!graph.ok()) return graph.error();
+
+    feed(**graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
+    if (!stop.load()) (*graph)->end_of_photos();
+    if (const auto done = (*graph)->wait(); !done.ok()) return done.error();
+
+    SessionRun run;
+    run.interrupted = stop.load();
+    run.counts = committer.state().counts;
+    for (const auto& [image, reason] : waiting_images(committer.state(), options->solve.mu_min)) {
+        run.waiting.emplace_back(committer.state().images[index_of(image)].name, reason);
+    }
+    return run;
+}
+
+}  // namespace psfm

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/session_config.h"
+
+#include <nlohmann/json.hpp>
+
+namespace psfm {
+namespace {
+
+using nlohmann::json;
+constexpr int kConfigVersion = 1;
+
+json encode_camera(const Camera& camera) {
+    return {{"model", std::string(model_name(camera.model))}, {"width", camera.width}, {"height", camera.height}, {"params", camera.params}};
+}
+
+Result<Camera> decode_camera(const json& object) {
+    Camera camera;
+    const auto model = model_from_name(object.at("model").get<std::string>());
+    if (!model) return Error{ErrorCode::kDamaged, "settings name an unknown camera model"};
+    camera.model = *model;
+    camera.width = object.at("width").get<std::uint32_t>();
+    camera.height = object.at("height").get<std::uint32_t>();
+    camera.params = object.at("params").get<std::array<double, 8>>();
+    camera.focal_source = FocalSource::kGiven;
+    if (const auto valid = validate(camera); !valid.ok()) return valid.error();
+    return camera;
+}
+
+}  // namespace
+
+Result<StageOptions> stage_options(const SessionConfig& config) {
+    StageOptions options;
+    if (config.preset == "paper") {
+        options.clustering.form = JaccardForm::kLiteral;
+    } else if (config.preset != "default") {
+        return Error{ErrorCode::kInvalidArgument, "unknown preset '" + config.preset + "'; there are default and paper"};
+    }
+    return options;
+}
+
+std::string encode_config(const SessionConfig& config) {
+    json cameras = json::object();
+    for (const auto& [name, given] : config.given_cameras) {
+        cameras[name] = {{"key", given.key}, {"camera", encode_camera(given.camera)}};
+    }
+    return json{{"version", kConfigVersion},
+                {"preset", config.preset},
+                {"camera_sharing", std::string(camera_sharing_name(config.camera_sharing))},
+                {"cameras", std::move(cameras)},
+                {"fix_intrinsics", config.fix_intrinsics},
+                {"deterministic", config.deterministic},
+                {"batch", config.batch},
+                {"seed", config.seed},
+                {"vocabulary", config.vocabulary_file},
+                {"order", config.order}}
+        .dump();
+}
+
+Result<SessionConfig> decode_config(const std::string& text) {
+    SessionConfig config;
+    try {
+        const json object = json::parse(text);
+        if (object.at("version").get<int>() > kConfigVersion) {
+            return Error{ErrorCode::kVersion, "the session's settings were written by a newer psfm; use that one"};
+        }
+        config.preset = object.at("preset").get<std::string>();
+        const auto sharing = camera_sharing_from_name(object.at("camera_sharing").get<std::string>());
+        if (!sharing) return Error{ErrorCode::kDamaged, "settings name an unknown camera sharing"};
+        config.camera_sharing = *sharing;
+        for (const auto& [name, given] : object.at("cameras").items()) {
+            const auto camera = decode_camera(given.at("camera"));
+            if (!camera.ok()) return camera.error();
+            config.given_cameras[name] = {given.at("key").get<std::string>(), *camera};
+        }
+        config.fix_intrinsics = object.at("fix_intrinsics").get<bool>();
+        config.deterministic = object.at("deterministic").get<bool>();
+        config.batch = object.at("batch").get<bool>();
+        config.seed = object.at("seed").get<std::uint64_t>();
+        config.vocabulary_file = object.at("vocabulary").get<std::string>();
+        config.order = object.at("order").get<std::vector<std::string>>();
+    } catch (const json::exception&) {
+        return Error{ErrorCode::kDamaged, "the session's settings are damaged"};
+    }
+    return config;
+}
+
+}  // namespace psfm

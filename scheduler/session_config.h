@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "graph/camera.h"
+#include "graph/result.h"
+#include "stages/clustering/clustering_options.h"
+#include "stages/clustering/edge_weight.h"
+#include "stages/features/assign_camera.h"
+#include "stages/features/feature_options.h"
+#include "stages/merge/merge_options.h"
+#include "stages/reconstruction/solve_options.h"
+#include "stages/retrieval/retrieval_options.h"
+#include "stages/verification/run_verification.h"
+
+namespace psfm {
+
+/// Intrinsics given by the user for one photograph (--cameras).
+struct GivenCamera {
+    std::string key;  ///< photographs with equal keys share the camera
+    Camera camera;
+};
+
+/// What shapes the results of a session. Stored with it, so that `resume` continues as it began.
+struct SessionConfig {
+    std::string preset = "default";  ///< "default" or "paper"
+    CameraSharing camera_sharing = CameraSharing::kAuto;
+    std::map<std::string, GivenCamera> given_cameras;  ///< by photograph name
+    bool fix_intrinsics = false;
+    bool deterministic = false;
+    bool batch = false;  ///< no cluster is solved before the last photograph has arrived
+    std::uint64_t seed = 0;
+    std::string vocabulary_file;      ///< empty: trained from the session's own descriptors
+    std::vector<std::string> order;   ///< names in order of arrival; empty: by name
+};
+
+/// The options of every stage, as the configuration's preset and switches set them.
+struct StageOptions {
+    FeatureOptions features;
+    RetrievalOptions retrieval;
+    VerificationOptions verification;
+    EdgeWeightOptions edge_weight;
+    ClusteringOptions clustering;
+    SolveOptions solve;
+    MergeOptions merge;
+};
+
+/// @errors kInvalidArgument (unknown preset)
+Result<StageOptions> stage_options(const SessionConfig& config);
+
+/// The configuration as JSON text, and back. @errors kDamaged (not such a text), kVersion (of a newer program)
+std::string encode_config(const SessionConfig& config);
+Result<SessionConfig> decode_config(const std::string& json);
+
+/// How one process works on a session: nothing here changes results of a deterministic session.
+struct ExecutionOptions {
+    int threads = 0;  ///< 0: as many as there are cores
+    /// Photographs decoded or waiting to be accepted at most, beside those that are worked on. Higher: more memory.
+    int photos_ahead = 4;
+    /// Accepted images that are not yet part of a published version, at most. Higher: more overlap, more latency
+    /// under load. A deterministic session has one.
+    int images_in_flight = 8;
+};
+
+}  // namespace psfm

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "graph/image.h"
+#include "graph/result.h"
+#include "graph/scene.h"
+#include "graph/view_graph.h"
+#include "scheduler/cluster_table.h"
+#include "scheduler/messages.h"
+#include "scheduler/session_config.h"
+#include "stages/clustering/clustering_state.h"
+#include "stages/merge/cluster_constraint.h"
+#include "storage/session_store.h"
+
+namespace psfm {
+
+/// An acknowledged image that no published version takes account of yet.
+struct PendingImage {
+    ImageReport report;
+    Clock::time_point arrival;
+    bool verified = false;
+    bool published = false;
+};
+
+/// Everything that a session knows while it runs. Not thread-safe: owned by the commit node.
+struct SessionState {
+    explicit SessionState(std::uint32_t mu_min) : clusters(mu_min) {}
+
+    std::vector<Image> images;                           ///< by id
+    std::vector<std::shared_ptr<const Keypoints>> keypoints;  ///< by id
+    std::map<CameraId, Camera> cameras;                  ///< as accepted
+    std::map<std::string, CameraId> camera_of_key;       ///< see assign_camera
+    std::unordered_map<std::uint64_t, std::string> name_of_content;  ///< finds byte-identical photographs
+    std::uint32_t rejected = 0;
+    std::uint32_t verified = 0;  ///< images 0 … verified-1 are nodes of the view graph
+    ViewGraph view_graph;
+    ClusteringState clustering;
+    ClusterTable clusters;
+    std::vector<ClusterConstraint> constraints;  ///< of the published version
+    ScenePtr scene = std::make_shared<const Scene>();
+    SessionCounts counts;
+    std::map<std::uint32_t, PendingImage> pending;  ///< by image index
+};
+
+/// Reads a session back: what was committed, and images that were acknowledged but not verified.
+struct RestoredSession {
+    SessionState state;
+    std::vector<AcceptedImagePtr> unverified;  ///< ascending by id
+    std::vector<RejectedPhoto> rejected;
+};
+/// @errors those of the store
+Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
+                                        const StageOptions& options);
+
+/// Members of clusters that are in no published model, with the reason, ascending by image.
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state, std::uint32_t mu_min);
+
+}  // namespace psfm

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/cluster_table.h"
+
+#include <gtest/gtest.h>
+
+namespace psfm {
+namespace {
+
+constexpr std::uint32_t kMuMin = 3;
+
+ImageId image(std::uint32_t i) { return static_cast<ImageId>(i); }
+ClusterId cluster(std::uint32_t i) { return static_cast<ClusterId>(i); }
+
+std::vector<ImageId> images(std::initializer_list<std::uint32_t> ids) {
+    std::vector<ImageId> out;
+    for (const std::uint32_t id : ids) out.push_back(image(id));
+    return out;
+}
+
+ClusteringEdit members(std::uint32_t id, std::initializer_list<std::uint32_t> ids) {
+    ClusteringEdit edit;
+    edit.changed.push_back({cluster(id), images(ids)});
+    return edit;
+}
+
+/// What a solve of the entry would return, with all members (or some) placed.
+struct Solve {
+    ClusterProblem problem;
+    ClusterSolution solution;
+};
+Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& placed, bool settle = false) {
+    Solve solve;
+    solve.problem.cluster = solve.solution.cluster = entry.id;
+    solve.problem.topology = solve.solution.topology = entry.topology;
+    solve.problem.settle = settle;
+    auto model = std::make_shared<Reconstruction>();
+    for (const ImageId id : placed) model->images.push_back({id, {}, {}});
+    solve.solution.model = model;
+    return solve;
+}
+
+TEST(ClusterTable, SolvesADirtyClusterOnce) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_TRUE(table.take_dirty().empty()) << "one solve in flight per cluster";
+    EXPECT_TRUE(table.busy());
+    const Solve solve = solve_of(*dirty.front(), images({0, 1, 2}));
+    const ClusterEntry* published = table.finish(solve.problem, solve.solution);
+    ASSERT_NE(published, nullptr);
+    EXPECT_EQ(published->revision, 1U);
+    EXPECT_FALSE(table.busy());
+    EXPECT_TRUE(table.take_dirty().empty()) << "a clean cluster is never solved";
+}
+
+TEST(ClusterTable, SmallClustersAreCleanAtOnce) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1}));
+    EXPECT_FALSE(table.busy());
+    EXPECT_TRUE(table.take_dirty().empty());
+}
+
+TEST(ClusterTable, AResultForAnOutdatedTopologyBecomesMaterial) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    const ClusterEntry before = *table.take_dirty().front();
+    table.apply(members(0, {0, 1, 2, 3}));
+    EXPECT_TRUE(table.take_dirty().empty()) << "its solve is still in flight";
+    const Solve solve = solve_of(before, images({0, 1, 2}));
+    EXPECT_EQ(table.finish(solve.problem, solve.solution), nullptr) << "never published as current";
+    EXPECT_EQ(table.coalesced(), 1U);
+    const auto again = table.take_dirty();
+    ASSERT_EQ(again.size(), 1U);
+    EXPECT_EQ(again.front()->material, solve.solution.model) << "never thrown away";
+    EXPECT_EQ(again.front()->model, nullptr);
+}
+
+TEST(ClusterTable, GrowingExtendsTheModel) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    table.finish(solve.problem, solve.solution);
+    EXPECT_TRUE(table.apply(members(0, {0, 1, 2, 3})).empty());
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(dirty.front()->material, solve.solution.model);
+}
+
+TEST(ClusterTable, JoinedModelsAreSolvedAnew) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {3, 4, 5}));
+    for (const ClusterEntry* entry : table.take_dirty()) {
+        const Solve solve = solve_of(*entry, entry->members);
+        table.finish(solve.problem, solve.solution);
+    }
+    ClusteringEdit join = members(0, {0, 1, 2, 3, 4, 5, 6});
+    join.removed = {cluster(1)};
+    join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
+    const auto changes = table.apply(join);
+    ASSERT_EQ(changes.size(), 1U);
+    EXPECT_EQ(changes.front().kind, ClusterChange::Kind::kJoin);
+    EXPECT_EQ(changes.front().others, std::vector{cluster(1)});
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(dirty.front()->material, nullptr);
+    EXPECT_NE(dirty.front()->model, nullptr) << "what was published stays until the new model is there";
+    EXPECT_EQ(table.entries().size(), 1U);
+    EXPECT_EQ(table.of(image(4)).id, cluster(0));
+}
+
+TEST(ClusterTable, ASplitModelIsWithdrawnAndSolvedAnew) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2, 3, 4, 5}));
+    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4, 5}));
+    table.finish(solve.problem, solve.solution);
+    ClusteringEdit split;
+    split.changed = {{cluster(0), images({0, 1, 2})}, {cluster(1), images({3, 4, 5})}};
+    split.moved.push_back({cluster(0), cluster(1), images({3, 4, 5})});
+    const auto changes = table.apply(split);
+    EXPECT_FALSE(changes.empty());
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 2U);
+    for (const ClusterEntry* entry : dirty) {
+        EXPECT_EQ(entry->material, nullptr);
+        EXPECT_EQ(entry->model, nullptr) << "no image may stand in two models";
+    }
+}
+
+TEST(ClusterTable, ResultsFromBeforeAJoinAreNoMaterial) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {3, 4, 5}));
+    std::vector<ClusterEntry> first;
+    for (const ClusterEntry* entry : table.take_dirty()) first.push_back(*entry);
+    const Solve one = solve_of(first[1], images({3, 4, 5}));
+    table.finish(one.problem, one.solution);
+    ClusteringEdit join = members(0, {0, 1, 2, 3, 4, 5});
+    join.removed = {cluster(1)};
+    join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
+    table.apply(join);
+    const Solve outdated = solve_of(first[0], images({0, 1, 2}));
+    EXPECT_EQ(table.finish(outdated.problem, outdated.solution), nullptr);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(dirty.front()->material, nullptr);
+}
+
+TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    ClusteringEdit edit = members(1, {0, 1, 2, 3});
+    edit.removed = {cluster(0)};
+    table.apply(edit);
+    EXPECT_EQ(table.finish(solve.problem, solve.solution), nullptr);
+    EXPECT_EQ(table.take_dirty().size(), 1U);
+}
+
+TEST(ClusterTable, SettlesOnce) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    table.finish(solve.problem, solve.solution);
+    const auto unsettled = table.take_unsettled();
+    ASSERT_EQ(unsettled.size(), 1U);
+    const Solve settle = solve_of(*unsettled.front(), images({0, 1, 2}), true);
+    table.finish(settle.problem, settle.solution);
+    EXPECT_TRUE(table.take_unsettled().empty());
+    table.apply(members(0, {0, 1, 2, 3}));
+    EXPECT_EQ(table.take_dirty().size(), 1U);
+}
+
+TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
+    ClusterTable table(kMuMin);
+    ClusterEntry clean;
+    clean.id = cluster(0);
+    clean.members = images({0, 1, 2});
+    clean.topology = clean.solved_topology = 4;
+    table.restore(clean);
+    ClusterEntry dirty = clean;
+    dirty.id = cluster(1);
+    dirty.members = images({3, 4, 5});
+    dirty.topology = 5;
+    table.restore(dirty);
+    const auto taken = table.take_dirty();
+    ASSERT_EQ(taken.size(), 1U);
+    EXPECT_EQ(taken.front()->id, cluster(1));
+    EXPECT_EQ(table.image_count(), 6U);
+}
+
+}  // namespace
+}  // namespace psfm

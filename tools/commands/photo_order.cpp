@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/photo_order.h"
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <set>
+#include <utility>
+
+namespace psfm {
+
+std::vector<std::string> shuffled_names(std::vector<std::string> names, std::uint64_t seed) {
+    std::ranges::sort(names);
+    std::mt19937_64 random(seed);
+    for (std::size_t i = names.size(); i-- > 1;) std::swap(names[i], names[random() % (i + 1)]);
+    return names;
+}
+
+Result<std::vector<std::string>> read_order_file(const std::filesystem::path& file) {
+    constexpr std::size_t kLongestName = 4096;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || std::filesystem::is_directory(file)) {
+        return Error{ErrorCode::kNotFound, "cannot read the order file " + file.string() + "; it holds one image name a line"};
+    }
+    std::vector<std::string> names;
+    std::set<std::string> seen;
+    std::string line;
+    for (std::size_t number = 1; std::getline(stream, line); ++number) {
+        if (!line.empty() && line.back() == '\r') line.pop_back();
+        if (line.empty()) continue;
+        const std::string where = file.string() + " line " + std::to_string(number);
+        if (line.size() > kLongestName) return Error{ErrorCode::kInvalidArgument, where + " is too long for a name"};
+        if (!seen.insert(line).second) {
+            return Error{ErrorCode::kInvalidArgument, where + ": " + line + " is named a second time; remove one of the lines"};
+        }
+        names.push_back(line);
+    }
+    if (names.empty()) return Error{ErrorCode::kInvalidArgument, "the order file " + file.string() + " names no image"};
+    return names;
+}
+
+}  // namespace psfm

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "scheduler/event_log.h"
+#include "scheduler/run_session.h"
+
+namespace psfm {
+
+/// Shows a running session on stderr: one line that is rewritten with counts, rate and time left when stderr is a
+/// terminal; rejected photographs and changes of the model on lines of their own in any case. Writes the log, too.
+class Progress final : public SessionObserver {
+  public:
+    /// @param expected  photographs that this run will look at; 0: unknown (a watched folder)
+    Progress(std::size_t expected, std::unique_ptr<EventLog> log);
+    ~Progress() override;
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void on_publish(const PublishMessage& publish) override;
+    /// The log was asked for and could not be written to the end.
+    bool log_failed() const { return log_ && !log_->good(); }
+
+  private:
+    void say(const std::string& line);
+    void show(const SessionCounts& counts);
+
+    std::size_t expected_;
+    std::unique_ptr<EventLog> log_;
+    bool terminal_;
+    bool line_open_ = false;
+    std::size_t done_ = 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// "1:05:09" or "7:35" for a number of seconds.
+std::string format_duration(double seconds);
+
+}  // namespace psfm

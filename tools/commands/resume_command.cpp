@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <memory>
+
+#include "tools/commands/commands.h"
+#include "tools/commands/report_error.h"
+#include "tools/commands/session_runner.h"
+
+namespace psfm {
+namespace {
+
+struct ResumeArguments {
+    std::string session;
+    std::string log;
+    int threads = 0;
+};
+
+int resume(const ResumeArguments& arguments) {
+    auto store = SessionStore::open_existing(arguments.session, StoreOptions{});
+    if (!store.ok()) return report_error(store.error());
+    const auto settings = (*store)->settings();
+    if (!settings.ok()) return report_error(settings.error());
+    if (settings->settings_json.empty()) {
+        return report_error({ErrorCode::kNotFound, "the session " + arguments.session +
+                                                       " was never run; begin with: psfm run PHOTOS --session " + arguments.session});
+    }
+    auto config = decode_config(settings->settings_json);
+    if (!config.ok()) return report_error(config.error());
+    RunRequest request;
+    request.session = arguments.session;
+    request.photos = settings->photo_folder;
+    request.config = *std::move(config);
+    request.execution.threads = arguments.threads;
+    request.log_file = arguments.log;
+    return run_and_report(**store, request);
+}
+
+}  // namespace
+
+void add_resume_command(CLI::App& app, int& exit_code) {
+    CLI::App* command = app.add_subcommand("resume", "Go on with a session that was stopped, killed or lost its power");
+    auto arguments = std::make_shared<ResumeArguments>();
+    command->add_option("--session", arguments->session, "Session folder")->required();
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: one a core")->check(CLI::Range(0, 1024));
+    command->add_option("--log", arguments->log, "Append a log of JSON lines to this file");
+    command->footer("The session remembers its photograph folder, order and options. What was acknowledged is not\n"
+                    "computed again; what was in flight is.\nExample: psfm resume --session castle");
+    command->callback([arguments, &exit_code] { exit_code = resume(*arguments); });
+}
+
+}  // namespace psfm

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/session_runner.h"
+
+#include <csignal>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "stages/features/photo_listing.h"
+#include "tools/commands/progress.h"
+#include "tools/commands/report_error.h"
+#include "tools/commands/thread_budget.h"
+#include "tools/commands/watch_folder.h"
+
+namespace psfm {
+namespace {
+
+std::atomic<bool> stop_requested{false};  // NOLINT: what a signal handler may touch has to be global
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+extern "C" void on_interrupt(int signal) {
+    if (stop_requested.exchange(true)) {
+        // A second Ctrl-C: every commit is atomic, so leaving at once loses nothing that was acknowledged.
+        _exit(128 + signal);
+    }
+}
+
+void catch_interrupts() {
+    struct sigaction action {};
+    action.sa_handler = on_interrupt;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+/// The photographs of the folder that take part, in order of arrival.
+Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
+    auto listing = list_photos(request.photos);
+    if (!listing.ok()) return listing.error();
+    for (const RejectedPath& rejected : listing->rejected) {
+        std::cerr << "rejected " << rejected.name << ": " << rejected.reason << '\n';
+    }
+    if (request.config.order.empty()) return std::move(listing->photos);
+    std::map<std::string, PhotoFile> by_name;
+    for (PhotoFile& photo : listing->photos) by_name.emplace(photo.name, std::move(photo));
+    std::vector<PhotoFile> ordered;
+    for (const std::string& name : request.config.order) {
+        const auto found = by_name.find(name);
+        if (found == by_name.end()) {
+            return Error{ErrorCode::kNotFound, "the order names " + name + ", which is not in " + request.photos.string() +
+                                                   "; correct the order file, or copy the photograph there"};
+        }
+        ordered.push_back(found->second);
+    }
+    return ordered;
+}
+
+void print_summary(const SessionRun& run, const RunRequest& request) {
+    const SessionCounts& counts = run.counts;
+    std::cout << counts.placed << " of " << counts.images << " images placed, in " << counts.clusters << " clusters that make "
+              << counts.effective_clusters << " connected parts";
+    if (counts.rejected > 0) std::cout << "; " << counts.rejected << " photographs rejected";
+    std::cout << '\n';
+    std::map<WaitReason, std::vector<std::string>> by_reason;
+    for (const auto& [name, reason] : run.waiting) by_reason[reason].push_back(name);
+    for (const auto& [reason, names] : by_reason) {
+        std::cout << names.size() << " waiting (" << describe(reason) << "):";
+        for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 5); ++i) std::cout << ' ' << names[i];
+        std::cout << (names.size() > 5 ? " …\n" : "\n");
+    }
+    if (counts.placed > 0) {
+        std::cout << "Take the model out with: psfm export --session " << request.session.string() << " --format colmap --output MODEL\n";
+    }
+}
+
+}  // namespace
+
+int run_and_report(SessionStore& store, const RunRequest& request) {
+    std::unique_ptr<PhotoSource> source;
+    std::size_t expected = 0;
+    if (request.watch) {
+        source = std::make_unique<WatchFolder>(request.photos);
+    } else {
+        auto photos = photos_in_order(request);
+        if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
+        const auto images = store.images();
+        if (!images.ok()) return report_error(images.error());
+        std::set<std::string> known;
+        for (const Image& image : *images) known.insert(image.name);
+        expected = static_cast<std::size_t>(
+            std::ranges::count_if(*photos, [&](const PhotoFile& photo) { return !known.contains(photo.name); }));
+        source = std::make_unique<PhotoList>(*std::move(photos));
+    }
+    std::unique_ptr<EventLog> log;
+    if (!request.log_file.empty()) {
+        auto opened = EventLog::open(request.log_file);
+        if (!opened.ok()) return report_error(opened.error(), ErrorOrigin::kOtherInput);
+        log = *std::move(opened);
+    }
+    const ThreadBudget budget(request.execution.threads);
+    catch_interrupts();
+    Result<SessionRun> run = SessionRun{};
+    bool log_failed = false;
+    {
+        Progress progress(expected, std::move(log));
+        run = run_session(store, request.config, request.execution, *source, progress, stop_requested);
+        log_failed = progress.log_failed();
+    }
+    if (!run.ok()) return report_error(run.error());
+    print_summary(*run, request);
+    if (run->interrupted) {
+        std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: psfm resume --session "
+                  << request.session.string() << '\n';
+        return request.watch ? 0 : 1;
+    }
+    if (log_failed) {
+        return report_error({ErrorCode::kIo, "the log " + request.log_file + " could not be written to its end; is the disk full?"});
+    }
+    if (run->counts.images == 0) {
+        return report_error({ErrorCode::kUnreadable, "no photograph of " + request.photos.string() + " could be used; the reasons stand above"},
+                            ErrorOrigin::kOtherInput);
+    }
+    return 0;
+}
+
+}  // namespace psfm

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scheduler/run_session.h"
+#include "scheduler/session_config.h"
+#include "storage/session_store.h"
+
+namespace psfm {
+
+/// What `run` and `resume` have in common.
+struct RunRequest {
+    std::filesystem::path session;
+    std::filesystem::path photos;
+    SessionConfig config;
+    ExecutionOptions execution;
+    std::string log_file;  ///< empty: no log
+    bool watch = false;
+};
+
+/// Runs a session in an open store, from listing the photographs to the summary on stdout; Ctrl-C stops it in order.
+/// @return the program's exit code; failures have been reported
+int run_and_report(SessionStore& store, const RunRequest& request);
+
+}  // namespace psfm

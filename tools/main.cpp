@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <exception>
+#include <iostream>
+
+#include "tools/commands/commands.h"
+
+namespace {
+
+constexpr int kUsageError = 2;
+constexpr int kUnexpectedError = 1;
+
+int run(int argc, char** argv) {
+    CLI::App app{"psfm: progressive Structure from Motion. Photographs in, camera poses and a sparse model out, while "
+                 "they arrive."};
+    app.footer("First steps:\n"
+               "  psfm run PHOTOS --session DIR\n"
+               "  psfm status --session DIR\n"
+               "  psfm export --session DIR --format colmap --output MODEL\n"
+               "Exit codes: 0 done, 2 usage, 3 bad input, 4 session damaged, 1 anything else.");
+    app.set_version_flag("--version", PSFM_VERSION);
+    app.require_subcommand(1);
+    int exit_code = 0;
+    psfm::add_run_command(app, exit_code);
+    psfm::add_resume_command(app, exit_code);
+    psfm::add_status_command(app, exit_code);
+    psfm::add_export_command(app, exit_code);
+    psfm::add_evaluate_command(app, exit_code);
+    psfm::add_check_command(app, exit_code);
+    psfm::add_vocabulary_command(app, exit_code);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : kUsageError;
+    }
+    return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& exception) {
+        std::cerr << "psfm: unexpected failure (" << exception.what() << "); the session keeps what it acknowledged\n";
+        return kUnexpectedError;
+    }
+}
