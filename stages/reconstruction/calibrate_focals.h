@@ -78,9 +78,9 @@ using KeypointsOf = std::function<std::span<const Keypoint>(ImageId)>;
 ///    correspondences themselves (ours; a bundle adjustment of pairs with the points eliminated);
 /// 3. the same with a focal length for each camera, drawn weakly to the common one.
 /// Without keypoints step 1 is all there is. Measured with SIFT on Strecha's four scenes
-/// (docs/verification.md): 1: 0.3 to 5 % off, 2: 0.1 to 0.9 %, 3: median 0.2 to 2.8 %, largest 4.6
-/// %. Radial distortion that the cameras do not tell of shifts the result: k1 = +-0.05 by 2 to 10
-/// %.
+/// (docs/verification.md): 1: 0.3 to 4.3 % off, 2: 0.2 to 0.8 %, 3: median 0.3 to 2.7 %,
+/// largest 4.7 %. Radial distortion that the cameras do not tell of shifts the result: k1 = +-0.05
+/// by 2 to 10 %.
 /// @param pairs    kinds other than kFundamental, and images without a camera, are passed over
 /// @param cameras  as the pairs were verified with
 /// @errors kInvalidArgument (options, cameras)
