@@ -23,10 +23,6 @@ int resume(const ResumeArguments& arguments) {
     if (!store.ok()) return report_error(store.error());
     const auto settings = (*store)->settings();
     if (!settings.ok()) return report_error(settings.error());
-    if (settings->settings_json.empty()) {
-        return report_error({ErrorCode::kNotFound, "the session " + arguments.session +
-                                                       " was never run; begin with: psfm run PHOTOS --session " + arguments.session});
-    }
     auto config = decode_config(settings->settings_json);
     if (!config.ok()) return report_error(config.error());
     RunRequest request;

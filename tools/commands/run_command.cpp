@@ -94,8 +94,9 @@ int run(const RunArguments& arguments) {
     auto store = SessionStore::open(arguments.session, store_options);
     if (!store.ok()) return report_error(store.error());
     const auto settings = (*store)->settings();
-    if (!settings.ok()) return report_error(settings.error());
-    if (!settings->settings_json.empty()) {
+    const bool is_new = !settings.ok() && settings.error().code == ErrorCode::kNotFound;
+    if (!settings.ok() && !is_new) return report_error(settings.error());
+    if (!is_new) {
         const auto begun = decode_config(settings->settings_json);
         if (!begun.ok()) return report_error(begun.error());
         config = continue_config(*begun, *std::move(config));
