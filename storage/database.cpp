@@ -30,9 +30,6 @@ bool has_orphaned_tables(const std::filesystem::path& folder) {
 /// Writers are kept out meanwhile; beside one there is nothing to do, as it looked when it opened.
 Result<void> look_through(const std::filesystem::path& session,
                           const std::filesystem::path& scratch, const StoreOptions& options) {
-    const auto quiet = SessionLock::exclude_writers(session);
-    if (!quiet) return quiet.error();
-    if (!quiet->has_value()) return {};
     DatabaseOptions setup = make_database_options(options, nullptr);
     setup.database.db_log_dir = scratch.string();
     rocksdb::DB* db = nullptr;
@@ -83,13 +80,18 @@ Result<std::unique_ptr<Database>> Database::open_secondary(const std::filesystem
     std::unique_ptr<Database> database(new Database(label));
     database->secondary_ = true;
     database->scratch_.emplace(std::move(scratch));
-    if (auto looked = look_through(session, database->scratch_->path(), options); !looked) {
-        return looked.error();
+    const auto quiet = SessionLock::exclude_writers(session);
+    if (!quiet) return quiet.error();
+    const bool beside_writer = !quiet->has_value();
+    // A writer that is there has looked through everything when it opened.
+    if (!beside_writer) {
+        auto looked = look_through(session, database->scratch_->path(), options);
+        if (!looked) return looked.error();
     }
     rocksdb::Status status;
-    // The writer may delete a file between our reading its name and opening it: look again.
-    constexpr int kAttempts = 10;
-    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    // A writer may delete a file between our reading its name and opening it: look again.
+    const int attempts = beside_writer ? 10 : 1;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
         if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(10 * attempt));
         rocksdb::DB* db = nullptr;
         std::vector<rocksdb::ColumnFamilyHandle*> handles;
@@ -131,15 +133,16 @@ Result<void> Database::write(rocksdb::WriteBatch& batch) {
     return {};
 }
 
-Result<void> Database::catch_up() const {
-    if (!secondary_) return {};
+Result<bool> Database::catch_up() const {
+    if (!secondary_) return false;
     const std::unique_lock lock(view_mutex_);
+    const rocksdb::SequenceNumber before = db_->GetLatestSequenceNumber();
     rocksdb::Status status;
-    constexpr int kAttempts = 10;
+    constexpr int kAttempts = 5;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5 * attempt));
         status = db_->TryCatchUpWithPrimary();
-        if (status.ok()) return {};
+        if (status.ok()) return db_->GetLatestSequenceNumber() != before;
     }
     return database_error(label_, status);
 }

@@ -48,8 +48,8 @@ class Database {
 
     /// One atomic, synced write. @errors kNoSpace, kIo, kDamaged
     Result<void> write(rocksdb::WriteBatch& batch);
-    /// Secondary: follows the writer. Primary: does nothing.
-    Result<void> catch_up() const;
+    /// Secondary: follows the writer. Primary: does nothing. @return whether there was anything new
+    Result<bool> catch_up() const;
 
     bool is_secondary() const { return secondary_; }
     rocksdb::DB& db() const { return *db_; }

@@ -39,7 +39,7 @@ class SessionLock {
     /// REQUIRES: the folder exists. @errors kInUse (names the holder's pid), kNoSpace, kIo
     static Result<SessionLock> acquire(const std::filesystem::path& folder);
 
-    /// Keeps writers out for a moment, while the object lives: acquire() waits 0.2 s for that.
+    /// Keeps writers out for a moment, while the object lives: acquire() waits 0.5 s for that.
     /// Readers do not exclude each other. Nothing when there is a writer. @errors kIo
     static Result<std::optional<SessionLock>> exclude_writers(const std::filesystem::path& folder);
 

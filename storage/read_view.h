@@ -4,14 +4,12 @@
 
 #include <rocksdb/db.h>
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <shared_mutex>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "graph/result.h"
@@ -86,6 +84,7 @@ template <typename Read>
 auto read_consistently(const Database& database, const Read& read)
     -> decltype(read(std::declval<const ReadView&>())) {
     constexpr int kAttempts = 5;
+    std::optional<Error> problem;
     for (int attempt = 1;; ++attempt) {
         {
             const ReadView view(database);
@@ -93,10 +92,11 @@ auto read_consistently(const Database& database, const Read& read)
             if (result.ok() || !database.is_secondary() || attempt == kAttempts) return result;
             const ErrorCode code = result.error().code;
             if (code != ErrorCode::kDamaged && code != ErrorCode::kIo) return result;
+            problem = result.error();
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(5 * attempt));
-        // When following fails, reading again fails too, and says why.
-        static_cast<void>(database.catch_up());
+        // Nothing new: what is wrong is wrong for good.
+        const auto followed = database.catch_up();
+        if (followed && !*followed) return *problem;
     }
 }
 

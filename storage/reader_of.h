@@ -47,7 +47,11 @@ class ReaderOf : public Interface {
     Result<CheckReport> check(const std::function<void(std::uint64_t)>& progress) const override {
         return check_session(*database_, progress);
     }
-    Result<void> refresh() override { return database_->catch_up(); }
+    Result<void> refresh() override {
+        const auto followed = database_->catch_up();
+        if (!followed) return followed.error();
+        return {};
+    }
 
   protected:
     Database& database() { return *database_; }

@@ -79,7 +79,7 @@ Result<SessionLock> SessionLock::acquire(const std::filesystem::path& folder) {
     FileHandle file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
     if (!file.is_open()) return system_error("cannot open " + quoted(path), errno);
     // A reader that is just opening may hold the lock for a moment.
-    constexpr int kAttempts = 10;
+    constexpr int kAttempts = 25;
     bool locked = false;
     for (int attempt = 0; attempt < kAttempts && !locked; ++attempt) {
         if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));

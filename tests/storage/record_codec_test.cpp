@@ -133,8 +133,9 @@ TEST(RecordCodec, PairsComeBackAlike) {
 TEST(RecordCodec, ClustersComeBackAlike) {
     Rng rng(4);
     for (std::uint32_t count = 1; count < 50; ++count) {
-        const StoredCluster cluster{ClusterId{3}, testing::random_members(count, rng), count + 4,
-                                    count, 2 * count};
+        const StoredCluster cluster{ClusterId{3}, testing::random_members(count, rng),
+                                    count + 4,    count,
+                                    2 * count,    count % 3};
         const auto decoded =
             decode_cluster(ClusterId{3}, *encode_cluster({cluster, count % 2 == 0}));
         ASSERT_TRUE(decoded.ok());

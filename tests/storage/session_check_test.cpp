@@ -121,19 +121,19 @@ TEST(SessionCheck, NamesEveryKindOfDamagedRecord) {
         {Family::kPoints, encode_key(solution)},
         {Family::kScenes, encode_key(SceneKey{4, 4})},
     };
-    for (const auto& [family, key] : records) {
-        std::string good;
-        {
-            RawDatabase raw(folder.session());
-            good = raw.get(family, key);
-            std::string bad = good;
-            bad[bad.size() / 2] = static_cast<char>(bad[bad.size() / 2] ^ 0x10);
-            raw.put(family, key, bad);
+    {
+        RawDatabase raw(folder.session());
+        for (const auto& [family, key] : records) {
+            std::string value = raw.get(family, key);
+            value[value.size() / 2] = static_cast<char>(value[value.size() / 2] ^ 0x10);
+            raw.put(family, key, value);
         }
-        EXPECT_THAT(damage_of(folder), damage(name_of(family), describe_key(family, key)));
-        RawDatabase(folder.session()).put(family, key, good);
     }
-    EXPECT_TRUE(damage_of(folder).empty());
+    const auto damaged = damage_of(folder);
+    EXPECT_EQ(damaged.size(), records.size());
+    for (const auto& [family, key] : records) {
+        EXPECT_THAT(damaged, damage(name_of(family), describe_key(family, key)));
+    }
 }
 
 TEST(SessionCheck, NamesWhatIsMissing) {
@@ -150,26 +150,21 @@ TEST(SessionCheck, NamesWhatIsMissing) {
     const std::vector<Case> cases{
         {Family::kMeta, camera_key(CameraId{0}), "images", "image 0"},
         {Family::kImages, encode_key(ImageId{2}), "images", "image 2"},
-        {Family::kKeypoints, encode_key(ImageId{2}), "keypoints", "image 2"},
-        {Family::kDescriptors, encode_key(ImageId{2}), "descriptors", "image 2"},
-        {Family::kPairs, encode_key(ImageId{2}), "pairs", "image 2"},
+        {Family::kKeypoints, encode_key(ImageId{3}), "keypoints", "image 3"},
+        {Family::kDescriptors, encode_key(ImageId{4}), "descriptors", "image 4"},
+        {Family::kPairs, encode_key(ImageId{5}), "pairs", "image 5"},
         {Family::kSolutions, encode_key(latest), "solutions",
          describe_key(Family::kSolutions, encode_key(latest))},
         {Family::kSolutions, encode_key(earlier), "scenes", "version 4, 4 images"},
         {Family::kPoints, encode_key(latest), "points",
          describe_key(Family::kPoints, encode_key(latest))},
     };
-    for (const Case& c : cases) {
-        std::string good;
-        {
-            RawDatabase raw(folder.session());
-            good = raw.get(c.family, c.key);
-            raw.remove(c.family, c.key);
-        }
-        EXPECT_THAT(damage_of(folder), damage(c.reported_as, c.reported_key));
-        RawDatabase(folder.session()).put(c.family, c.key, good);
+    {
+        RawDatabase raw(folder.session());
+        for (const Case& c : cases) raw.remove(c.family, c.key);
     }
-    EXPECT_TRUE(damage_of(folder).empty());
+    const auto damaged = damage_of(folder);
+    for (const Case& c : cases) EXPECT_THAT(damaged, damage(c.reported_as, c.reported_key));
 }
 
 TEST(SessionCheck, KnowsRecordsOfNewerVersionsAndStrangeKeys) {
@@ -212,8 +207,10 @@ struct FlipOutcome {
     std::string difference;  ///< of what could be read nevertheless
 };
 
-/// Opens a session with a flipped byte both ways, and reads everything.
-FlipOutcome read_flipped(const fs::path& session, std::uint32_t images) {
+/// Who opens a session with a flipped byte, and reads everything.
+enum class OpenBy { kReader, kReaderAndWriter };
+
+FlipOutcome read_flipped(const fs::path& session, std::uint32_t images, OpenBy open_by) {
     FlipOutcome outcome;
     const auto look = [&](const SessionReader& reader) {
         const auto report = reader.check({});
@@ -233,6 +230,7 @@ FlipOutcome read_flipped(const fs::path& session, std::uint32_t images) {
         else
             outcome.detected = true;
     }
+    if (open_by == OpenBy::kReader) return outcome;
     const auto store = SessionStore::open_existing(session, {});
     if (store)
         look(**store);
@@ -256,7 +254,9 @@ TEST(SessionCheck, FlippedBytesInTablesNeverChangeWhatIsRead) {
         ASSERT_FALSE(tables.empty());
         const fs::path& table = tables[rng() % tables.size()];
         flip(table, rng() % fs::file_size(table), 1 << (rng() % 8));
-        const FlipOutcome outcome = read_flipped(copy, kImages);
+        // RocksDB's background work waits a second when it meets damage, so fewer writers.
+        const OpenBy open_by = i % 20 == 0 ? OpenBy::kReaderAndWriter : OpenBy::kReader;
+        const FlipOutcome outcome = read_flipped(copy, kImages, open_by);
         EXPECT_EQ(outcome.difference, "");
         detected += outcome.detected ? 1 : 0;
     }
@@ -283,7 +283,8 @@ TEST(SessionCheck, FlippedBytesInTheLogAreNeverCutOffInSilence) {
         const fs::path& log = logs[rng() % logs.size()];
         // Not within the last commit: damage there looks like a torn write.
         flip(log, rng() % (fs::file_size(log) * 3 / 4), 1 << (rng() % 8));
-        const FlipOutcome outcome = read_flipped(copy, kImages);
+        const OpenBy open_by = i % 2 == 0 ? OpenBy::kReader : OpenBy::kReaderAndWriter;
+        const FlipOutcome outcome = read_flipped(copy, kImages, open_by);
         EXPECT_EQ(outcome.difference, "");
         detected += outcome.detected ? 1 : 0;
     }

@@ -27,6 +27,7 @@ TEST(SessionStore, IsEmptyWhenNew) {
     EXPECT_TRUE(store->cameras()->empty());
     EXPECT_TRUE(store->rejected()->empty());
     EXPECT_TRUE(store->clusters()->empty());
+    EXPECT_EQ(*store->next_cluster_id(), ClusterId{0});
     EXPECT_EQ(*store->verified_image_count(), 0U);
     EXPECT_EQ(store->scene()->version, 0U);
     EXPECT_EQ(*store->scene_summary_json(), "");
@@ -177,6 +178,7 @@ TEST(SessionStore, NeverBringsRemovedClustersBack) {
     const auto store = open(folder);
     ASSERT_EQ(store->clusters()->size(), 1U);
     EXPECT_EQ(store->clusters()->front().id, ClusterId{1});
+    EXPECT_EQ(*store->next_cluster_id(), ClusterId{2});
     // Material for the successor: still there, as is what the scene shows.
     EXPECT_EQ((*store->solution(ClusterId{0}))->revision, testing::expected_solution(4).revision);
     EXPECT_FALSE(store->scene()->clusters.front()->model->points.empty());
