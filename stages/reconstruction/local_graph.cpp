@@ -15,6 +15,14 @@ std::uint32_t local_index(const ClusterProblem& problem, ImageId image) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(problem.images, image, {}, &ClusterImage::id) - problem.images.begin());
 }
 
+/// The camera that a pair was verified with, at the focal length that is believed now.
+Camera with_focal(Camera verified, const Camera& believed) {
+    verified.params[0] = believed.fx();
+    if (verified.has_two_focals()) verified.params[1] = believed.fy();
+    verified.focal_source = FocalSource::kEstimated;
+    return verified;
+}
+
 /// Intrinsics from the recycled model where it has them; unknown focal lengths from fundamental matrices.
 Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem, const SolveOptions& options) {
     std::map<CameraId, Camera> cameras = problem.cameras;
@@ -27,8 +35,15 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
     if (all_known || problem.fix_intrinsics) return cameras;
     std::map<ImageId, CameraId> camera_of;
     for (const ClusterImage& image : problem.images) camera_of[image.id] = image.camera;
+    // The pairs were verified without the distortion that the recycled model has found since.
+    std::map<CameraId, Camera> as_verified = problem.cameras;
+    for (auto& [id, camera] : as_verified) {
+        if (camera.focal_source == FocalSource::kUnknown && cameras.at(id).focal_source != FocalSource::kUnknown) {
+            camera = with_focal(camera, cameras.at(id));
+        }
+    }
     const auto keypoints_of = [&](ImageId image) { return std::span<const Keypoint>(*problem.images[local_index(problem, image)].keypoints); };
-    const auto calibration = calibrate_focals(problem.pairs, cameras, camera_of, options.focal_calibration, keypoints_of);
+    const auto calibration = calibrate_focals(problem.pairs, as_verified, camera_of, options.focal_calibration, keypoints_of);
     if (!calibration.ok()) return calibration.error();
     for (const auto& [id, focal] : calibration->focals) {
         // The source stays kUnknown: registration still searches around the estimate.
@@ -37,14 +52,6 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
         if (camera.has_two_focals()) camera.params[1] = focal.focal_px;
     }
     return cameras;
-}
-
-/// The camera that a pair was verified with, at the focal length that is believed now.
-Camera with_focal(Camera verified, const Camera& believed) {
-    verified.params[0] = believed.fx();
-    if (verified.has_two_focals()) verified.params[1] = believed.fy();
-    verified.focal_source = FocalSource::kEstimated;
-    return verified;
 }
 
 /// Relative poses of pairs without known focal lengths follow from the cameras as they are believed now.

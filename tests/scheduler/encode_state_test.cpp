@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/encode_state.h"
+
+#include <gtest/gtest.h>
+
+namespace psfm {
+namespace {
+
+TEST(EncodeState, SolveStateSurvives) {
+    const StoredSolveState state{{.images_at_full_adjustment = 17}, true};
+    const StoredSolveState back = decode_solve_state(encode_solve_state(state));
+    EXPECT_EQ(back.state, state.state);
+    EXPECT_TRUE(back.settled);
+}
+
+TEST(EncodeState, ForeignSolveStateIsTheDefault) {
+    for (const char* text : {"", "{", "[]", "{\"images_at_full_adjustment\":-3,\"settled\":\"yes\"}"}) {
+        EXPECT_EQ(decode_solve_state(text).state, SolveState{}) << text;
+    }
+}
+
+TEST(EncodeState, SummarySurvives) {
+    SceneSummary summary;
+    summary.counts.images = 10;
+    summary.counts.placed = 8;
+    summary.counts.version = 12;
+    summary.counts.solves_extend = 5;
+    summary.waiting = {{static_cast<ImageId>(3), WaitReason::kTooFewMatches}, {static_cast<ImageId>(9), WaitReason::kNoSeed}};
+    const auto back = decode_summary(encode_summary(summary));
+    ASSERT_TRUE(back.ok());
+    EXPECT_EQ(back->counts.placed, 8U);
+    EXPECT_EQ(back->counts.version, 12U);
+    EXPECT_EQ(back->counts.solves_extend, 5U);
+    EXPECT_EQ(back->waiting, summary.waiting);
+}
+
+TEST(EncodeState, DamagedSummaryIsReported) {
+    EXPECT_TRUE(decode_summary("").ok()) << "an empty session has none";
+    for (const char* text : {"{", "[]", "{\"waiting_images\":[[1]]}", "{\"waiting_images\":3}", "{\"placed\":\"x\",\"waiting_images\":[]}"}) {
+        ASSERT_FALSE(decode_summary(text).ok()) << text;
+        EXPECT_EQ(decode_summary(text).error().code, ErrorCode::kDamaged);
+    }
+}
+
+}  // namespace
+}  // namespace psfm

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/event_log.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+namespace psfm {
+namespace {
+
+TEST(LogLine, ImageHasTheKeysThatScriptsRelyOn) {
+    ImageReport image;
+    image.index = 36;
+    image.name = "a \"quoted\" name.jpg";
+    image.latency_ms = 12.34;
+    image.solve_ms = 5.0;
+    SessionCounts counts;
+    counts.clusters = counts.effective_clusters = 2;
+    counts.placed = 30;
+    counts.waiting = 6;
+    const auto line = nlohmann::json::parse(log_line(image, counts));
+    EXPECT_EQ(line.at("event"), "image");
+    EXPECT_EQ(line.at("index"), 36);
+    EXPECT_EQ(line.at("name"), image.name);
+    EXPECT_EQ(line.at("clusters"), 2);
+    EXPECT_EQ(line.at("effective_clusters"), 2);
+    EXPECT_EQ(line.at("placed"), 30);
+    EXPECT_EQ(line.at("waiting"), 6);
+    EXPECT_EQ(line.at("resets"), 0);
+    EXPECT_NEAR(line.at("latency_ms").get<double>(), 12.3, 1e-9);
+    for (const char* stage : {"extract", "retrieve", "verify", "cluster", "solve", "merge"}) {
+        EXPECT_TRUE(line.at("stages_ms").contains(stage)) << stage;
+    }
+}
+
+TEST(LogLine, EventsCarryTheirDetails) {
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kSolve;
+    event.text = "new";
+    event.clusters = {3};
+    event.detail_json = R"({"milliseconds":7.5})";
+    const auto line = nlohmann::json::parse(log_line(event));
+    EXPECT_EQ(line.at("event"), "solve");
+    EXPECT_EQ(line.at("clusters"), nlohmann::json({3}));
+    EXPECT_EQ(line.at("milliseconds"), 7.5);
+}
+
+TEST(LogLine, NamesThatAreNoUtf8DoNotThrow) {
+    ImageReport image;
+    image.name = "\xFF\xFE.jpg";
+    EXPECT_NO_THROW(log_line(image, {}));
+}
+
+TEST(EventLog, AppendsLinesAndRefusesFolders) {
+    const auto file = std::filesystem::temp_directory_path() / ("psfm_log_" + std::to_string(getpid()));
+    PublishMessage publish;
+    publish.images.resize(2);
+    publish.events.resize(1);
+    for (int run = 0; run < 2; ++run) {
+        auto log = EventLog::open(file);
+        ASSERT_TRUE(log.ok());
+        (*log)->write(publish);
+        EXPECT_TRUE((*log)->good());
+    }
+    std::ifstream stream(file);
+    std::string line;
+    int lines = 0;
+    while (std::getline(stream, line)) ++lines;
+    EXPECT_EQ(lines, 6);
+    std::filesystem::remove(file);
+    EXPECT_FALSE(EventLog::open(std::filesystem::temp_directory_path()).ok());
+}
+
+}  // namespace
+}  // namespace psfm

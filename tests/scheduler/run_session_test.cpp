@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The whole program below the command line, on photographs that are rendered for it.
+#include "scheduler/run_session.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "graph/reconstruction.h"
+#include "stages/features/photo_listing.h"
+#include "tests/synthetic/render.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Recorder final : public SessionObserver {
+  public:
+    void on_publish(const PublishMessage& publish) override {
+        images.insert(images.end(), publish.images.begin(), publish.images.end());
+        events.insert(events.end(), publish.events.begin(), publish.events.end());
+        if (publish.scene) versions.push_back(publish.scene);
+        if (stop_after > 0 && images.size() >= stop_after) stop.store(true);
+    }
+    std::vector<ImageReport> images;
+    std::vector<SessionEvent> events;
+    std::vector<ScenePtr> versions;
+    std::size_t stop_after = 0;
+    std::atomic<bool> stop{false};
+};
+
+class RunSessionTest : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        folder = fs::temp_directory_path() / ("psfm_run_session_" + std::to_string(getpid()));
+        synthetic::PhotoSetOptions options;
+        options.scene = synthetic::PhotoScene::kWall;
+        options.images = 9;
+        options.width = 480;
+        options.height = 360;
+        ASSERT_TRUE(synthetic::render_photographs(options, 11, folder / "photos").ok());
+    }
+    static void TearDownTestSuite() { fs::remove_all(folder); }
+
+    static fs::path images() { return folder / "photos" / "images"; }
+    static fs::path fresh(const std::string& name) {
+        fs::remove_all(folder / name);
+        return folder / name;
+    }
+    static std::vector<PhotoFile> photos() { return list_photos(images())->photos; }
+
+    struct Outcome {
+        Result<SessionRun> run = Error{};
+        Recorder recorder;
+    };
+
+    static void run(const fs::path& session, const SessionConfig& config, std::vector<PhotoFile> files, Outcome& outcome, int threads = 2) {
+        const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads) + 1);
+        auto store = SessionStore::open(session, {});
+        ASSERT_TRUE(store.ok()) << store.error().message;
+        PhotoList list(std::move(files));
+        ExecutionOptions execution;
+        execution.threads = threads;
+        outcome.run = run_session(**store, config, execution, list, outcome.recorder, outcome.recorder.stop);
+        ASSERT_TRUE(outcome.run.ok()) << outcome.run.error().message;
+    }
+
+    static Scene scene_of(const fs::path& session) {
+        auto reader = open_session_reader(session, {});
+        EXPECT_TRUE(reader.ok());
+        auto scene = (*reader)->scene();
+        EXPECT_TRUE(scene.ok());
+        return *scene;
+    }
+
+    /// Bitwise, points and poses.
+    static void expect_equal(const Scene& a, const Scene& b) {
+        ASSERT_EQ(a.clusters.size(), b.clusters.size());
+        for (std::size_t c = 0; c < a.clusters.size(); ++c) {
+            EXPECT_EQ(a.clusters[c]->members, b.clusters[c]->members);
+            EXPECT_EQ(a.clusters[c]->world_from_cluster.translation, b.clusters[c]->world_from_cluster.translation);
+            EXPECT_EQ(a.clusters[c]->world_from_cluster.scale, b.clusters[c]->world_from_cluster.scale);
+            const Reconstruction& model_a = *a.clusters[c]->model;
+            const Reconstruction& model_b = *b.clusters[c]->model;
+            ASSERT_EQ(model_a.images.size(), model_b.images.size());
+            for (std::size_t i = 0; i < model_a.images.size(); ++i) {
+                EXPECT_EQ(model_a.images[i].cam_from_cluster.translation, model_b.images[i].cam_from_cluster.translation);
+                EXPECT_EQ(model_a.images[i].cam_from_cluster.rotation.coeffs(), model_b.images[i].cam_from_cluster.rotation.coeffs());
+            }
+            ASSERT_EQ(model_a.points.size(), model_b.points.size());
+            for (std::size_t i = 0; i < model_a.points.size(); ++i) {
+                ASSERT_EQ(model_a.points[i].position, model_b.points[i].position);
+                ASSERT_EQ(model_a.points[i].track, model_b.points[i].track);
+            }
+        }
+    }
+
+    inline static fs::path folder;
+};
+
+TEST_F(RunSessionTest, PublishesAVersionAfterEveryImage) {
+    SessionConfig config;
+    config.deterministic = true;
+    Outcome outcome;
+    run(fresh("each"), config, photos(), outcome);
+    EXPECT_EQ(outcome.run->counts.images, 9U);
+    EXPECT_EQ(outcome.run->counts.placed, 9U);
+    EXPECT_EQ(outcome.run->counts.effective_clusters, 1U);
+    ASSERT_EQ(outcome.recorder.images.size(), 9U);
+    for (std::uint32_t i = 0; i < 9; ++i) EXPECT_EQ(outcome.recorder.images[i].index, i + 1);
+    auto reader = open_session_reader(folder / "each", {});
+    ASSERT_TRUE(reader.ok());
+    for (std::uint32_t n = 1; n <= 9; ++n) {
+        const auto scene = (*reader)->scene_after(n);
+        ASSERT_TRUE(scene.ok()) << "after image " << n;
+        EXPECT_EQ(scene->image_count, n);
+        if (n >= 5) {
+            EXPECT_GE(placed_count(*scene), 4U) << "after image " << n;
+        }
+    }
+}
+
+TEST_F(RunSessionTest, IsBitwiseTheSameOnAnyNumberOfThreads) {
+    SessionConfig config;
+    config.deterministic = true;
+    for (const int threads : {1, 2, 5}) {
+        Outcome outcome;
+        run(fresh("threads" + std::to_string(threads)), config, photos(), outcome, threads);
+    }
+    expect_equal(scene_of(folder / "threads1"), scene_of(folder / "threads2"));
+    expect_equal(scene_of(folder / "threads1"), scene_of(folder / "threads5"));
+}
+
+TEST_F(RunSessionTest, AStoppedSessionEndsWhereItWouldHaveEnded) {
+    SessionConfig config;
+    config.deterministic = true;
+    Outcome whole;
+    run(fresh("whole"), config, photos(), whole);
+    const fs::path session = fresh("stopped");
+    for (const std::size_t stop_after : {1, 2, 3}) {
+        Outcome part;
+        part.recorder.stop_after = stop_after;
+        run(session, config, photos(), part);
+        EXPECT_TRUE(part.run->interrupted);
+    }
+    Outcome rest;
+    run(session, config, photos(), rest);
+    EXPECT_FALSE(rest.run->interrupted);
+    EXPECT_EQ(rest.run->counts.images, 9U);
+    expect_equal(scene_of(folder / "whole"), scene_of(session));
+}
+
+TEST_F(RunSessionTest, ALaterRunAddsOnlyWhatIsNew) {
+    const SessionConfig config;
+    const fs::path session = fresh("later");
+    std::vector<PhotoFile> first = photos();
+    first.resize(6);
+    Outcome six;
+    run(session, config, first, six);
+    EXPECT_EQ(six.run->counts.placed, 6U);
+    Outcome all;
+    run(session, config, photos(), all);
+    EXPECT_EQ(all.recorder.images.size(), 3U) << "the six it has are skipped";
+    EXPECT_EQ(all.run->counts.placed, 9U);
+    Outcome nothing;
+    run(session, config, photos(), nothing);
+    EXPECT_TRUE(nothing.recorder.images.empty());
+    EXPECT_EQ(nothing.run->counts.placed, 9U);
+}
+
+TEST_F(RunSessionTest, BatchPlacesEverythingWithoutIntermediateSolves) {
+    SessionConfig config;
+    config.batch = true;
+    Outcome outcome;
+    run(fresh("batch"), config, photos(), outcome);
+    EXPECT_EQ(outcome.run->counts.placed, 9U);
+    EXPECT_EQ(outcome.run->counts.solves_new, 1U);
+    EXPECT_EQ(outcome.run->counts.solves_extend, 0U);
+}
+
+TEST_F(RunSessionTest, BadPhotographsAreRejectedAndTheOthersGoOn) {
+    const fs::path mixed = fresh("mixed");
+    fs::create_directories(mixed / "sub");
+    for (const PhotoFile& photo : photos()) fs::copy(photo.path, mixed / photo.name);
+    fs::copy(mixed / "photo_0000.jpg", mixed / "copy.jpg");
+    // The same name in a sub-folder is another photograph.
+    fs::rename(mixed / "photo_0008.jpg", mixed / "sub" / "photo_0000.jpg");
+    std::ofstream(mixed / "empty.jpg").flush();
+    std::ofstream(mixed / "text.jpg") << "not a photograph";
+    fs::copy(mixed / "photo_0001.jpg", mixed / "truncated.jpg");
+    fs::resize_file(mixed / "truncated.jpg", fs::file_size(mixed / "truncated.jpg") / 2);
+    const fs::path session = fresh("mixed_session");
+    Outcome outcome;
+    run(session, SessionConfig{}, list_photos(mixed)->photos, outcome);
+    EXPECT_EQ(outcome.run->counts.images, 9U);
+    EXPECT_EQ(outcome.run->counts.placed, 9U);
+    EXPECT_EQ(outcome.run->counts.rejected, 4U);
+    std::set<std::string> rejected;
+    for (const SessionEvent& event : outcome.recorder.events) {
+        if (event.kind != SessionEvent::Kind::kRejected) continue;
+        rejected.insert(event.images.at(0));
+        EXPECT_FALSE(event.text.empty());
+    }
+    // Names are taken in bytewise order, so it is the later twin that is turned down.
+    EXPECT_EQ(rejected, (std::set<std::string>{"empty.jpg", "photo_0000.jpg", "text.jpg", "truncated.jpg"}));
+    Outcome again;
+    run(session, SessionConfig{}, list_photos(mixed)->photos, again);
+    EXPECT_TRUE(again.recorder.events.empty()) << "what was rejected and has not changed is not looked at again";
+}
+
+TEST_F(RunSessionTest, GivenCamerasAreUsedAndCheckedForSize) {
+    SessionConfig config;
+    Camera camera = make_camera(480, 360, 375.0, FocalSource::kGiven);
+    for (const PhotoFile& photo : photos()) config.given_cameras[photo.name] = {"one", camera};
+    camera.width = 481;
+    config.given_cameras["photo_0004.jpg"] = {"two", camera};
+    config.fix_intrinsics = true;
+    const fs::path session = fresh("given");
+    Outcome outcome;
+    run(session, config, photos(), outcome);
+    EXPECT_EQ(outcome.run->counts.images, 8U);
+    EXPECT_EQ(outcome.run->counts.rejected, 1U);
+    const Scene scene = scene_of(session);
+    ASSERT_FALSE(scene.clusters.empty());
+    EXPECT_EQ(scene.clusters.front()->model->cameras.begin()->second.fx(), 375.0) << "fixed intrinsics stay";
+}
+
+}  // namespace
+}  // namespace psfm

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/session_config.h"
+
+#include <gtest/gtest.h>
+
+namespace psfm {
+namespace {
+
+TEST(SessionConfig, SurvivesItsEncoding) {
+    SessionConfig config;
+    config.preset = "paper";
+    config.camera_sharing = CameraSharing::kFolder;
+    config.fix_intrinsics = config.deterministic = true;
+    config.seed = 0xFFFFFFFFFFFFFFFFULL;
+    config.vocabulary_file = "/words";
+    config.order = {"b.jpg", "a.jpg"};
+    config.given_cameras["a.jpg"] = {"key", make_camera(100, 80, 90.25, FocalSource::kGiven)};
+    const auto back = decode_config(encode_config(config));
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(back->preset, "paper");
+    EXPECT_EQ(back->camera_sharing, CameraSharing::kFolder);
+    EXPECT_TRUE(back->fix_intrinsics && back->deterministic && !back->batch);
+    EXPECT_EQ(back->seed, config.seed);
+    EXPECT_EQ(back->order, config.order);
+    EXPECT_EQ(back->given_cameras.at("a.jpg").camera, config.given_cameras.at("a.jpg").camera);
+    EXPECT_EQ(back->given_cameras.at("a.jpg").key, "key");
+}
+
+TEST(SessionConfig, RefusesDamageAndNewerPrograms) {
+    EXPECT_EQ(decode_config("{").error().code, ErrorCode::kDamaged);
+    EXPECT_EQ(decode_config("{\"version\":1}").error().code, ErrorCode::kDamaged);
+    EXPECT_EQ(decode_config("{\"version\":99}").error().code, ErrorCode::kVersion);
+}
+
+TEST(StageOptions, PaperPresetSetsThePapersFormula) {
+    SessionConfig config;
+    ASSERT_TRUE(stage_options(config).ok());
+    EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kMutual);
+    config.preset = "paper";
+    EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kLiteral);
+    config.preset = "other";
+    EXPECT_EQ(stage_options(config).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(StageOptions, AreValid) {
+    const auto options = stage_options(SessionConfig{});
+    ASSERT_TRUE(options.ok());
+    EXPECT_TRUE(validate(options->solve).ok());
+    EXPECT_TRUE(validate(options->clustering).ok());
+    EXPECT_TRUE(validate(options->merge).ok());
+    EXPECT_TRUE(validate(options->retrieval).ok());
+    EXPECT_TRUE(validate(options->verification).ok());
+    EXPECT_TRUE(validate(options->features).ok());
+}
+
+}  // namespace
+}  // namespace psfm
