@@ -69,6 +69,7 @@ Result<void> Committer::reject(const ExtractedMessage& message, const std::strin
 
 Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output) {
     ++photos_released_;
+    ++photos_seen_;
     if (!message.photo->ok()) return reject(message, message.photo->error().message, 0, output);
     const ExtractedPhoto& photo = message.photo->value();
     const std::uint64_t hash = photo.metadata.content_hash;
@@ -201,8 +202,8 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
     return store_->commit_solution(stored_solution, stored(*entry));
 }
 
-Result<void> Committer::on(const EndOfPhotos& /*message*/, CommitOutput& /*output*/) {
-    ended_ = true;
+Result<void> Committer::on(const EndOfPhotos& message, CommitOutput& /*output*/) {
+    photos_expected_ = message.photos;
     return {};
 }
 
@@ -280,12 +281,14 @@ void Committer::report_published(const MergeProblem& problem, double merge_ms, P
 
 void Committer::advance(CommitOutput& output) {
     const bool all_verified = std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
-    const bool hold = config_.batch && !(ended_ && all_verified);
+    const bool ended = photos_expected_ == photos_seen_;
+    const bool hold = config_.batch && !(ended && all_verified);
     if (!hold) {
         for (const ClusterEntry* entry : state_.clusters.take_dirty()) output.solves.push_back({make_problem(*entry, false)});
     }
-    const bool quiet = !state_.clusters.busy();
-    if (ended_ && all_verified && quiet && !settled_) {
+    // Settling begins once everything is published, so that what it starts from does not depend on timing.
+    const bool all_published = state_.pending.empty() && !state_.clusters.busy() && !changed_ && !merging_;
+    if (ended && all_published && !settled_) {
         settled_ = true;
         for (const ClusterEntry* entry : state_.clusters.take_unsettled()) output.solves.push_back({make_problem(*entry, true)});
     }

@@ -60,7 +60,8 @@ class Committer {
     std::vector<SessionEvent> events_;  // since the last publication
     std::uint32_t photos_released_ = 0;
     std::uint32_t images_released_ = 0;
-    bool ended_ = false;          // no photograph will follow
+    std::uint64_t photos_seen_ = 0;
+    std::optional<std::uint64_t> photos_expected_;  // known once no photograph will follow
     bool settled_ = false;        // the settling solves were sent out
     bool merging_ = false;        // one merge in flight at most
     bool changed_ = false;        // something is to be merged and published

@@ -89,7 +89,9 @@ struct MergedMessage {
 };
 
 /// No photograph will follow: solve what is waiting, then adjust every model to convergence.
-struct EndOfPhotos {};
+struct EndOfPhotos {
+    std::uint64_t photos = 0;  ///< admitted in all; some of them may still be on their way here
+};
 
 /// An image that was acknowledged by an earlier process and is not verified yet.
 struct ResumedImage {

@@ -51,25 +51,27 @@ bool admit(Admission& tokens, const SessionGraph& graph, const std::atomic<bool>
     return false;
 }
 
-void feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified, const SeenPhotos& seen,
+/// @return how many photographs were put into the graph
+std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified, const SeenPhotos& seen,
           PhotoSource& photos, Admission& photo_tokens, Admission& image_tokens, const std::atomic<bool>& stop) {
     for (const AcceptedImagePtr& image : unverified) {
-        if (!admit(image_tokens, graph, stop)) return;
+        if (!admit(image_tokens, graph, stop)) return 0;
         graph.put(ResumedImage{image});
     }
     std::uint64_t sequence = 0;
     PhotoFile photo;
     while (!stop.load() && !graph.failed()) {
         const PhotoSource::Next next = photos.next(photo);
-        if (next == PhotoSource::Next::kEnd) return;
+        if (next == PhotoSource::Next::kEnd) break;
         if (next == PhotoSource::Next::kLater) {
             std::this_thread::sleep_for(kPoll);
             continue;
         }
         if (seen.contains(photo)) continue;
-        if (!admit(photo_tokens, graph, stop) || !admit(image_tokens, graph, stop)) return;
+        if (!admit(photo_tokens, graph, stop) || !admit(image_tokens, graph, stop)) break;
         graph.put(ArrivedPhoto{sequence++, photo, Clock::now()});
     }
+    return sequence;
 }
 
 }  // namespace
@@ -105,8 +107,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     auto graph = SessionGraph::create(parts, arena);
     if (!graph.ok()) return graph.error();
 
-    feed(**graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
-    if (!stop.load()) (*graph)->end_of_photos();
+    const std::uint64_t photos_put = feed(**graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
+    if (!stop.load()) (*graph)->end_of_photos(photos_put);
     if (const auto done = (*graph)->wait(); !done.ok()) return done.error();
 
     SessionRun run;

@@ -236,7 +236,7 @@ SessionGraph::~SessionGraph() {
 
 void SessionGraph::put(const ArrivedPhoto& photo) { nodes_->extract.try_put(photo); }
 void SessionGraph::put(const ResumedImage& image) { nodes_->commit.try_put(image); }
-void SessionGraph::end_of_photos() { nodes_->commit.try_put(EndOfPhotos{}); }
+void SessionGraph::end_of_photos(std::uint64_t photos) { nodes_->commit.try_put(EndOfPhotos{photos}); }
 
 Result<void> SessionGraph::wait() {
     nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
