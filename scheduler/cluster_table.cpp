@@ -8,7 +8,9 @@
 namespace psfm {
 namespace {
 
-bool has_model(const std::shared_ptr<const Reconstruction>& model) { return model && !model->empty(); }
+bool has_model(const std::shared_ptr<const Reconstruction>& model) {
+    return model && !model->empty();
+}
 
 /// All images of the model are among the (ascending) members.
 bool covers(const std::vector<ImageId>& members, const Reconstruction& model) {
@@ -26,8 +28,9 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
     for (const MovedMembers& moved : edit.moved) {
         const auto from = entries_.find(moved.from);
         if (from == entries_.end() || !has_model(from->second.model)) continue;
-        const bool modelled = std::ranges::any_of(
-            moved.members, [&](ImageId image) { return from->second.model->find(image) != nullptr; });
+        const bool modelled = std::ranges::any_of(moved.members, [&](ImageId image) {
+            return from->second.model->find(image) != nullptr;
+        });
         if (modelled) joined_models[moved.to].insert(moved.from);
     }
     for (const ClusterMembers& changed : edit.changed) {
@@ -46,14 +49,20 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
             entry.material = nullptr;
             entry.material_state = {};
             entry.anew_topology = entry.topology;
-            // A model with images of another cluster would show them twice: none until the next solve.
+            // A model with images of another cluster would show them twice: none until the next
+            // solve.
             if (is_split) entry.model = nullptr;
-            ClusterChange change{is_split ? ClusterChange::Kind::kSplit : ClusterChange::Kind::kJoin, changed.id, {}, changed.members.size()};
+            ClusterChange change{
+                is_split ? ClusterChange::Kind::kSplit : ClusterChange::Kind::kJoin,
+                changed.id,
+                {},
+                changed.members.size()};
             if (is_join) change.others.assign(joined->second.begin(), joined->second.end());
             changes.push_back(std::move(change));
         }
         entry.settled = false;
-        const bool in_flight = entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
+        const bool in_flight =
+            entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
         if (in_flight) {
             entry.phase = ClusterPhase::kSolvingDirty;
         } else if (entry.members.size() < mu_min_) {
@@ -81,14 +90,16 @@ std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
 std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     std::vector<const ClusterEntry*> taken;
     for (auto& [id, entry] : entries_) {
-        if (entry.phase != ClusterPhase::kClean || entry.settled || !has_model(entry.model)) continue;
+        if (entry.phase != ClusterPhase::kClean || entry.settled || !has_model(entry.model))
+            continue;
         entry.phase = ClusterPhase::kSolving;
         taken.push_back(&entry);
     }
     return taken;
 }
 
-const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, const ClusterSolution& solution) {
+const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
+                                         const ClusterSolution& solution) {
     const auto found = entries_.find(problem.cluster);
     if (found == entries_.end()) {
         ++coalesced_;
@@ -122,7 +133,8 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, const Cl
 }
 
 bool ClusterTable::busy() const {
-    return std::ranges::any_of(entries_, [](const auto& e) { return e.second.phase != ClusterPhase::kClean; });
+    return std::ranges::any_of(
+        entries_, [](const auto& e) { return e.second.phase != ClusterPhase::kClean; });
 }
 
 void ClusterTable::restore(ClusterEntry entry) {

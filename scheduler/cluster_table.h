@@ -21,18 +21,18 @@ enum class ClusterPhase : std::uint8_t { kClean, kDirty, kSolving, kSolvingDirty
 
 struct ClusterEntry {
     ClusterId id{};
-    std::vector<ImageId> members;        ///< ascending
+    std::vector<ImageId> members;  ///< ascending
     ClusterPhase phase = ClusterPhase::kClean;
-    std::uint32_t topology = 0;          ///< counts changes of membership, from 1
-    std::uint32_t solved_topology = 0;   ///< topology of the published model
-    std::uint32_t revision = 0;          ///< counts published models
+    std::uint32_t topology = 0;                   ///< counts changes of membership, from 1
+    std::uint32_t solved_topology = 0;            ///< topology of the published model
+    std::uint32_t revision = 0;                   ///< counts published models
     std::shared_ptr<const Reconstruction> model;  ///< published; null before the first solve
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     /// What the next solve extends: null after a join or split of models, which are solved anew.
     std::shared_ptr<const Reconstruction> material;
     SolveState material_state;
     std::uint32_t anew_topology = 0;  ///< results for earlier topologies are no material
-    bool settled = false;             ///< all of the model was adjusted to convergence since it changed
+    bool settled = false;  ///< all of the model was adjusted to convergence since it changed
 };
 
 /// A join or split of reconstructed clusters, for the log.
@@ -45,8 +45,8 @@ struct ClusterChange {
 
 /// All clusters of a session and what is to be solved. Not thread-safe: owned by the commit node.
 ///
-/// Invariants: at most one solve of a cluster is in flight; a clean cluster is never solved; a result for an
-/// outdated topology becomes material or nothing, never the published model.
+/// Invariants: at most one solve of a cluster is in flight; a clean cluster is never solved; a
+/// result for an outdated topology becomes material or nothing, never the published model.
 class ClusterTable {
   public:
     explicit ClusterTable(std::uint32_t mu_min) : mu_min_(mu_min) {}
@@ -59,13 +59,15 @@ class ClusterTable {
     /// Clean clusters with a model that has not settled. They become kSolving.
     std::vector<const ClusterEntry*> take_unsettled();
 
-    /// Takes over a result. @return the entry when the result became its published model; null when the
-    /// cluster has changed or gone meanwhile (counted as coalesced)
+    /// Takes over a result. @return the entry when the result became its published model; null when
+    /// the cluster has changed or gone meanwhile (counted as coalesced)
     const ClusterEntry* finish(const ClusterProblem& problem, const ClusterSolution& solution);
 
     bool busy() const;  ///< something is dirty or being solved
     const std::map<ClusterId, ClusterEntry>& entries() const { return entries_; }
-    const ClusterEntry& of(ImageId image) const { return entries_.at(cluster_of_[index_of(image)]); }
+    const ClusterEntry& of(ImageId image) const {
+        return entries_.at(cluster_of_[index_of(image)]);
+    }
     std::size_t image_count() const { return cluster_of_.size(); }
     std::uint32_t coalesced() const { return coalesced_; }
 

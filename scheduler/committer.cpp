@@ -23,20 +23,24 @@ SessionEvent describe_change(const ClusterChange& change) {
     const std::string images = std::to_string(change.images) + " images";
     if (change.kind == ClusterChange::Kind::kJoin) {
         event.kind = SessionEvent::Kind::kJoin;
-        event.text = "clusters joined into cluster " + std::to_string(index_of(change.cluster)) + " of " + images +
-                     ", which is solved anew";
+        event.text = "clusters joined into cluster " + std::to_string(index_of(change.cluster)) +
+                     " of " + images + ", which is solved anew";
     } else {
         event.kind = SessionEvent::Kind::kSplit;
-        event.text = "images left cluster " + std::to_string(index_of(change.cluster)) + ", now of " + images +
-                     ", which is solved anew";
+        event.text = "images left cluster " + std::to_string(index_of(change.cluster)) +
+                     ", now of " + images + ", which is solved anew";
     }
     return event;
 }
 
 }  // namespace
 
-Committer::Committer(SessionStore& store, SessionConfig config, StageOptions options, SessionState state)
-    : store_(&store), config_(std::move(config)), options_(std::move(options)), state_(std::move(state)) {}
+Committer::Committer(SessionStore& store, SessionConfig config, StageOptions options,
+                     SessionState state)
+    : store_(&store),
+      config_(std::move(config)),
+      options_(std::move(options)),
+      state_(std::move(state)) {}
 
 Result<CommitOutput> Committer::handle(const CommitInput& message) {
     CommitOutput output;
@@ -50,8 +54,8 @@ Result<CommitOutput> Committer::handle(const CommitInput& message) {
     return output;
 }
 
-Result<void> Committer::reject(const ExtractedMessage& message, const std::string& reason, std::uint64_t hash,
-                               CommitOutput& /*output*/) {
+Result<void> Committer::reject(const ExtractedMessage& message, const std::string& reason,
+                               std::uint64_t hash, CommitOutput& /*output*/) {
     RejectedPhoto rejected{message.file.name, reason, hash, 0};
     std::error_code unknown_size;
     const auto size = std::filesystem::file_size(message.file.path, unknown_size);
@@ -74,7 +78,10 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     const ExtractedPhoto& photo = message.photo->value();
     const std::uint64_t hash = photo.metadata.content_hash;
     if (const auto twin = state_.name_of_content.find(hash); twin != state_.name_of_content.end()) {
-        return reject(message, message.file.name + " is a byte-for-byte copy of " + twin->second + ", which is in the session; delete one of the two", hash, output);
+        return reject(message,
+                      message.file.name + " is a byte-for-byte copy of " + twin->second +
+                          ", which is in the session; delete one of the two",
+                      hash, output);
     }
 
     auto accepted = std::make_shared<AcceptedImage>();
@@ -82,17 +89,24 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     image.id = static_cast<ImageId>(state_.images.size());
     image.name = message.file.name;
     image.metadata = photo.metadata;
-    if (const auto given = config_.given_cameras.find(image.name); given != config_.given_cameras.end()) {
+    if (const auto given = config_.given_cameras.find(image.name);
+        given != config_.given_cameras.end()) {
         const Camera& camera = given->second.camera;
         if (camera.width != photo.metadata.width || camera.height != photo.metadata.height) {
-            return reject(message, message.file.name + " is " + std::to_string(photo.metadata.width) + "x" + std::to_string(photo.metadata.height) +
-                              " px, but its given camera is " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " px; correct cameras.txt", hash, output);
+            return reject(message,
+                          message.file.name + " is " + std::to_string(photo.metadata.width) + "x" +
+                              std::to_string(photo.metadata.height) +
+                              " px, but its given camera is " + std::to_string(camera.width) + "x" +
+                              std::to_string(camera.height) + " px; correct cameras.txt",
+                          hash, output);
         }
-        const auto [entry, added] = state_.camera_of_key.try_emplace("given:" + given->second.key, static_cast<CameraId>(state_.camera_of_key.size()));
+        const auto [entry, added] = state_.camera_of_key.try_emplace(
+            "given:" + given->second.key, static_cast<CameraId>(state_.camera_of_key.size()));
         image.camera = entry->second;
         if (added) state_.cameras[image.camera] = camera;
     } else {
-        const CameraAssignment assignment = assign_camera(config_.camera_sharing, photo.metadata, image.name, state_.camera_of_key);
+        const CameraAssignment assignment =
+            assign_camera(config_.camera_sharing, photo.metadata, image.name, state_.camera_of_key);
         state_.camera_of_key.try_emplace(assignment.key, assignment.camera);
         image.camera = assignment.camera;
         if (assignment.added) state_.cameras[image.camera] = *assignment.added;
@@ -101,7 +115,10 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     // Aliased pointers: keypoints and descriptors live as long as the extracted photograph.
     accepted->keypoints = {message.photo, &photo.keypoints};
     accepted->descriptors = {message.photo, &photo.descriptors};
-    if (const auto stored = store_->commit_image(image, accepted->camera, photo.keypoints, photo.descriptors); !stored.ok()) return stored;
+    if (const auto stored =
+            store_->commit_image(image, accepted->camera, photo.keypoints, photo.descriptors);
+        !stored.ok())
+        return stored;
 
     state_.images.push_back(image);
     state_.keypoints.push_back(std::make_shared<const Keypoints>(photo.keypoints));
@@ -139,14 +156,19 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
         state_.view_graph.add_edge(pair->pair.first, pair->pair.second, weight, pair);
         touched.push_back(pair->pair.first == image ? pair->pair.second : pair->pair.first);
     }
-    const ClusteringEdit edit = update_clustering(state_.clustering, state_.view_graph, touched, options_.clustering);
+    const ClusteringEdit edit =
+        update_clustering(state_.clustering, state_.view_graph, touched, options_.clustering);
     const std::size_t untouched = state_.clusters.entries().size();
-    for (const ClusterChange& change : state_.clusters.apply(edit)) events_.push_back(describe_change(change));
-    state_.counts.solves_skipped += static_cast<std::uint32_t>(untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
+    for (const ClusterChange& change : state_.clusters.apply(edit))
+        events_.push_back(describe_change(change));
+    state_.counts.solves_skipped += static_cast<std::uint32_t>(
+        untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
 
     std::vector<StoredCluster> changed;
-    for (const ClusterMembers& cluster : edit.changed) changed.push_back(stored(state_.clusters.entries().at(cluster.id)));
-    if (const auto done = store_->commit_pairs(image, pairs, changed, edit.removed); !done.ok()) return done;
+    for (const ClusterMembers& cluster : edit.changed)
+        changed.push_back(stored(state_.clusters.entries().at(cluster.id)));
+    if (const auto done = store_->commit_pairs(image, pairs, changed, edit.removed); !done.ok())
+        return done;
     PendingImage& pending = state_.pending[index_of(image)];
     pending.verified = true;
     pending.report.retrieve_ms = message.retrieve_ms;
@@ -167,30 +189,45 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
         // A failed solve leaves its images waiting; the next change of the cluster tries again.
         solution.cluster = message.problem->cluster;
         solution.topology = message.problem->topology;
-        solution.model = message.problem->recycled ? message.problem->recycled : std::make_shared<const Reconstruction>();
+        solution.model = message.problem->recycled ? message.problem->recycled
+                                                   : std::make_shared<const Reconstruction>();
         solution.state = message.problem->recycled_state;
         event.text = "solve failed: " + message.solution->error().message;
     }
     const SolveStatistics& statistics = solution.statistics;
     switch (statistics.kind) {
-        case SolveKind::kNew: ++state_.counts.solves_new; break;
-        case SolveKind::kExtend: ++state_.counts.solves_extend; break;
-        case SolveKind::kSettle: ++state_.counts.solves_settle; break;
-        case SolveKind::kTooSmall: break;
+        case SolveKind::kNew:
+            ++state_.counts.solves_new;
+            break;
+        case SolveKind::kExtend:
+            ++state_.counts.solves_extend;
+            break;
+        case SolveKind::kSettle:
+            ++state_.counts.solves_settle;
+            break;
+        case SolveKind::kTooSmall:
+            break;
     }
     for (auto& [index, pending] : state_.pending) {
-        const auto in_problem = std::ranges::lower_bound(message.problem->images, static_cast<ImageId>(index), {}, &ClusterImage::id);
-        if (in_problem != message.problem->images.end() && index_of(in_problem->id) == index) pending.report.solve_ms += statistics.milliseconds;
+        const auto in_problem = std::ranges::lower_bound(
+            message.problem->images, static_cast<ImageId>(index), {}, &ClusterImage::id);
+        if (in_problem != message.problem->images.end() && index_of(in_problem->id) == index)
+            pending.report.solve_ms += statistics.milliseconds;
     }
     const ClusterEntry* entry = state_.clusters.finish(*message.problem, solution);
     if (event.text.empty()) {
-        event.text = std::string(name_of(statistics.kind)) + ": " + std::to_string(solution.model->images.size()) + " of " +
-                     std::to_string(message.problem->images.size()) + " images, " + std::to_string(solution.model->points.size()) +
-                     " points" + (entry == nullptr ? "; the cluster has changed meanwhile" : "");
+        event.text = std::string(name_of(statistics.kind)) + ": " +
+                     std::to_string(solution.model->images.size()) + " of " +
+                     std::to_string(message.problem->images.size()) + " images, " +
+                     std::to_string(solution.model->points.size()) + " points" +
+                     (entry == nullptr ? "; the cluster has changed meanwhile" : "");
     }
-    event.detail_json = "{\"kind\":\"" + std::string(name_of(statistics.kind)) + "\",\"milliseconds\":" + std::to_string(statistics.milliseconds) +
-                        ",\"full_adjustments\":" + std::to_string(statistics.full_adjustments) + ",\"local_adjustments\":" + std::to_string(statistics.local_adjustments) +
-                        ",\"removed_edges\":" + std::to_string(statistics.removed_edges) + ",\"mean_error_px\":" + std::to_string(statistics.mean_error_px) + "}";
+    event.detail_json = "{\"kind\":\"" + std::string(name_of(statistics.kind)) +
+                        "\",\"milliseconds\":" + std::to_string(statistics.milliseconds) +
+                        ",\"full_adjustments\":" + std::to_string(statistics.full_adjustments) +
+                        ",\"local_adjustments\":" + std::to_string(statistics.local_adjustments) +
+                        ",\"removed_edges\":" + std::to_string(statistics.removed_edges) +
+                        ",\"mean_error_px\":" + std::to_string(statistics.mean_error_px) + "}";
     events_.push_back(std::move(event));
     changed_ = true;
     if (entry == nullptr) return {};
@@ -219,8 +256,10 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     for (const MergeCluster& cluster : message.problem->clusters) {
         const auto entry = state_.clusters.entries().find(cluster.id);
         // Gone or solved again since: the next merge, which is due already, shows it.
-        if (entry == state_.clusters.entries().end() || entry->second.model != cluster.model) continue;
-        const auto placement = std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
+        if (entry == state_.clusters.entries().end() || entry->second.model != cluster.model)
+            continue;
+        const auto placement =
+            std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
         auto shown = std::make_shared<SceneCluster>();
         shown->id = cluster.id;
         shown->revision = cluster.revision;
@@ -228,14 +267,16 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         shown->model = cluster.model;
         shown->world_from_cluster = placement->world_from_cluster;
         shown->effective_cluster = placement->effective_cluster;
-        stored_version.placements.push_back({shown->id, shown->revision, shown->members, shown->world_from_cluster, shown->effective_cluster});
+        stored_version.placements.push_back({shown->id, shown->revision, shown->members,
+                                             shown->world_from_cluster, shown->effective_cluster});
         scene->clusters.push_back(std::move(shown));
     }
     count(*scene);
     stored_version.version = scene->version;
     stored_version.image_count = scene->image_count;
     stored_version.effective_clusters = scene->effective_clusters;
-    stored_version.summary_json = encode_summary({state_.counts, waiting_images(state_, options_.solve.mu_min)});
+    stored_version.summary_json =
+        encode_summary({state_.counts, waiting_images(state_, options_.solve.mu_min)});
     if (const auto stored = store_->commit_scene(stored_version); !stored.ok()) return stored;
     state_.constraints = merged.constraints;
     state_.scene = scene;
@@ -253,19 +294,24 @@ void Committer::count(const Scene& scene) {
     counts.placed = static_cast<std::uint32_t>(placed_count(scene));
     counts.waiting = counts.images - counts.placed;
     counts.rejected = state_.rejected;
-    counts.clusters = static_cast<std::uint32_t>(std::ranges::count_if(
-        scene.clusters, [](const auto& cluster) { return cluster->model && !cluster->model->empty(); }));
+    counts.clusters =
+        static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
+            return cluster->model && !cluster->model->empty();
+        }));
     counts.effective_clusters = scene.effective_clusters;
     counts.version = scene.version;
     counts.solves_coalesced = state_.clusters.coalesced();
 }
 
-void Committer::report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish) {
+void Committer::report_published(const MergeProblem& problem, double merge_ms,
+                                 PublishMessage& publish) {
     for (auto& [index, pending] : state_.pending) {
         if (pending.published || !pending.verified) continue;
         const ClusterEntry& entry = state_.clusters.of(static_cast<ImageId>(index));
-        const auto merged = std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
-        const bool shown = merged != problem.clusters.end() && merged->id == entry.id && merged->model == entry.model;
+        const auto merged =
+            std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
+        const bool shown = merged != problem.clusters.end() && merged->id == entry.id &&
+                           merged->model == entry.model;
         if (!shown || entry.phase != ClusterPhase::kClean) continue;
         pending.published = true;
         pending.report.merge_ms = merge_ms;
@@ -280,26 +326,34 @@ void Committer::report_published(const MergeProblem& problem, double merge_ms, P
 }
 
 void Committer::advance(CommitOutput& output) {
-    const bool all_verified = std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
+    const bool all_verified =
+        std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
     const bool ended = photos_expected_ == photos_seen_;
     const bool hold = config_.batch && !(ended && all_verified);
     if (!hold) {
-        for (const ClusterEntry* entry : state_.clusters.take_dirty()) output.solves.push_back({make_problem(*entry, false)});
+        for (const ClusterEntry* entry : state_.clusters.take_dirty())
+            output.solves.push_back({make_problem(*entry, false)});
     }
-    // Settling begins once everything is published, so that what it starts from does not depend on timing.
-    const bool all_published = state_.pending.empty() && !state_.clusters.busy() && !changed_ && !merging_;
+    // Settling begins once everything is published, so that what it starts from does not depend on
+    // timing.
+    const bool all_published =
+        state_.pending.empty() && !state_.clusters.busy() && !changed_ && !merging_;
     if (ended && all_published && !settled_) {
         settled_ = true;
-        for (const ClusterEntry* entry : state_.clusters.take_unsettled()) output.solves.push_back({make_problem(*entry, true)});
+        for (const ClusterEntry* entry : state_.clusters.take_unsettled())
+            output.solves.push_back({make_problem(*entry, true)});
     }
-    // Deterministic sessions publish when everything is solved; others as soon as there is something new.
-    const bool due = changed_ && !merging_ && !hold && (!config_.deterministic || !state_.clusters.busy());
+    // Deterministic sessions publish when everything is solved; others as soon as there is
+    // something new.
+    const bool due =
+        changed_ && !merging_ && !hold && (!config_.deterministic || !state_.clusters.busy());
     if (due) {
         changed_ = false;
         merging_ = true;
         output.merge = MergeMessage{make_merge_problem()};
     }
-    if (!output.publish && (!events_.empty() || photos_released_ > 0 || images_released_ > 0)) output.publish.emplace();
+    if (!output.publish && (!events_.empty() || photos_released_ > 0 || images_released_ > 0))
+        output.publish.emplace();
     if (output.publish) {
         output.publish->events = std::move(events_);
         events_.clear();
@@ -309,7 +363,8 @@ void Committer::advance(CommitOutput& output) {
     }
 }
 
-std::shared_ptr<const ClusterProblem> Committer::make_problem(const ClusterEntry& entry, bool settle) const {
+std::shared_ptr<const ClusterProblem> Committer::make_problem(const ClusterEntry& entry,
+                                                              bool settle) const {
     auto problem = std::make_shared<ClusterProblem>();
     problem->cluster = entry.id;
     problem->topology = entry.topology;
@@ -320,10 +375,12 @@ std::shared_ptr<const ClusterProblem> Committer::make_problem(const ClusterEntry
     problem->seed = config_.seed;
     for (const ImageId id : entry.members) {
         const Image& image = state_.images[index_of(id)];
-        problem->images.push_back({id, image.camera, image.metadata.content_hash, state_.keypoints[index_of(id)]});
+        problem->images.push_back(
+            {id, image.camera, image.metadata.content_hash, state_.keypoints[index_of(id)]});
         problem->cameras.emplace(image.camera, state_.cameras.at(image.camera));
         for (const ViewGraph::Edge& edge : state_.view_graph.edges(id)) {
-            if (edge.neighbor > id && std::ranges::binary_search(entry.members, edge.neighbor)) problem->pairs.push_back(edge.pair);
+            if (edge.neighbor > id && std::ranges::binary_search(entry.members, edge.neighbor))
+                problem->pairs.push_back(edge.pair);
         }
     }
     return problem;
@@ -338,7 +395,8 @@ std::shared_ptr<const MergeProblem> Committer::make_merge_problem() const {
         for (const RegisteredImage& image : entry.model->images) {
             for (const ViewGraph::Edge& edge : state_.view_graph.edges(image.image)) {
                 const ClusterEntry& other = state_.clusters.of(edge.neighbor);
-                if (id < other.id && other.model && other.model->find(edge.neighbor) != nullptr) between[{id, other.id}].push_back(edge.pair);
+                if (id < other.id && other.model && other.model->find(edge.neighbor) != nullptr)
+                    between[{id, other.id}].push_back(edge.pair);
             }
         }
     }

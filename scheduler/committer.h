@@ -22,17 +22,18 @@ struct CommitOutput {
     std::optional<PublishMessage> publish;
 };
 
-/// The one writer of a session: applies what the stages found to the state, stores it (the commit points of
-/// DESIGN.md section 4), and decides what is solved, merged and published next. Serial; no TBB in here, so
-/// that the whole life of a session can be tested message by message.
+/// The one writer of a session: applies what the stages found to the state, stores it (the commit
+/// points of DESIGN.md section 4), and decides what is solved, merged and published next. Serial;
+/// no TBB in here, so that the whole life of a session can be tested message by message.
 ///
-/// REQUIRES of the caller: Extracted messages in order of sequence, Verified messages in order of image id.
+/// REQUIRES of the caller: Extracted messages in order of sequence, Verified messages in order of
+/// image id.
 class Committer {
   public:
     Committer(SessionStore& store, SessionConfig config, StageOptions options, SessionState state);
 
-    /// @errors those of the store: the session cannot go on, and everything acknowledged is safe. After an
-    /// error every further message is ignored.
+    /// @errors those of the store: the session cannot go on, and everything acknowledged is safe.
+    /// After an error every further message is ignored.
     Result<CommitOutput> handle(const CommitInput& message);
 
     const SessionState& state() const { return state_; }
@@ -45,9 +46,11 @@ class Committer {
     Result<void> on(const MergedMessage& message, CommitOutput& output);
     Result<void> on(const EndOfPhotos& message, CommitOutput& output);
 
-    Result<void> reject(const ExtractedMessage& message, const std::string& reason, std::uint64_t hash, CommitOutput& output);
+    Result<void> reject(const ExtractedMessage& message, const std::string& reason,
+                        std::uint64_t hash, CommitOutput& output);
     void advance(CommitOutput& output);
-    std::shared_ptr<const ClusterProblem> make_problem(const ClusterEntry& entry, bool settle) const;
+    std::shared_ptr<const ClusterProblem> make_problem(const ClusterEntry& entry,
+                                                       bool settle) const;
     std::shared_ptr<const MergeProblem> make_merge_problem() const;
     void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
     void count(const Scene& scene);
@@ -62,9 +65,9 @@ class Committer {
     std::uint32_t images_released_ = 0;
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_expected_;  // known once no photograph will follow
-    bool settled_ = false;        // the settling solves were sent out
-    bool merging_ = false;        // one merge in flight at most
-    bool changed_ = false;        // something is to be merged and published
+    bool settled_ = false;                          // the settling solves were sent out
+    bool merging_ = false;                          // one merge in flight at most
+    bool changed_ = false;                          // something is to be merged and published
     bool failed_ = false;
 };
 

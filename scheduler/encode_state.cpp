@@ -29,17 +29,21 @@ constexpr CountField kCountFields[] = {{"images", &SessionCounts::images},
 }  // namespace
 
 std::string encode_solve_state(const StoredSolveState& state) {
-    return json{{"images_at_full_adjustment", state.state.images_at_full_adjustment}, {"settled", state.settled}}.dump();
+    return json{{"images_at_full_adjustment", state.state.images_at_full_adjustment},
+                {"settled", state.settled}}
+        .dump();
 }
 
 StoredSolveState decode_solve_state(const std::string& text) {
     const json object = json::parse(text, nullptr, false);
     StoredSolveState state;
     if (!object.is_object()) return state;
-    if (const auto count = object.find("images_at_full_adjustment"); count != object.end() && count->is_number_unsigned()) {
+    if (const auto count = object.find("images_at_full_adjustment");
+        count != object.end() && count->is_number_unsigned()) {
         state.state.images_at_full_adjustment = count->get<std::uint32_t>();
     }
-    if (const auto settled = object.find("settled"); settled != object.end() && settled->is_boolean()) {
+    if (const auto settled = object.find("settled");
+        settled != object.end() && settled->is_boolean()) {
         state.settled = settled->get<bool>();
     }
     return state;
@@ -50,7 +54,8 @@ std::string encode_summary(const SceneSummary& summary) {
     for (const CountField& field : kCountFields) object[field.name] = summary.counts.*field.field;
     object["version"] = summary.counts.version;
     json waiting = json::array();
-    for (const auto& [image, reason] : summary.waiting) waiting.push_back({index_of(image), static_cast<int>(reason)});
+    for (const auto& [image, reason] : summary.waiting)
+        waiting.push_back({index_of(image), static_cast<int>(reason)});
     object["waiting_images"] = std::move(waiting);
     return object.dump();
 }
@@ -60,12 +65,14 @@ Result<SceneSummary> decode_summary(const std::string& text) {
     if (text.empty()) return summary;
     try {
         const json object = json::parse(text);
-        for (const CountField& field : kCountFields) summary.counts.*field.field = object.value(field.name, 0U);
+        for (const CountField& field : kCountFields)
+            summary.counts.*field.field = object.value(field.name, 0U);
         summary.counts.version = object.value("version", std::uint64_t{0});
         for (const json& entry : object.at("waiting_images")) {
             const int reason = entry.at(1).get<int>();
             if (reason < 0 || reason > static_cast<int>(WaitReason::kSolving)) continue;
-            summary.waiting.emplace_back(static_cast<ImageId>(entry.at(0).get<std::uint32_t>()), static_cast<WaitReason>(reason));
+            summary.waiting.emplace_back(static_cast<ImageId>(entry.at(0).get<std::uint32_t>()),
+                                         static_cast<WaitReason>(reason));
         }
     } catch (const json::exception&) {
         return Error{ErrorCode::kDamaged, "the summary of the scene version is damaged"};

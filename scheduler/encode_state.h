@@ -19,7 +19,8 @@ struct StoredSolveState {
     bool settled = false;
 };
 std::string encode_solve_state(const StoredSolveState& state);
-/// Unknown or missing fields take their defaults: a full adjustment comes early then, nothing is lost.
+/// Unknown or missing fields take their defaults: a full adjustment comes early then, nothing is
+/// lost.
 StoredSolveState decode_solve_state(const std::string& json);
 
 /// Counts and waiting images of a published version, for `status`.

@@ -12,7 +12,9 @@ namespace {
 using nlohmann::ordered_json;
 
 /// Tenths of milliseconds are enough, and keep the log short.
-double rounded(double milliseconds) { return std::round(milliseconds * 10.0) / 10.0; }
+double rounded(double milliseconds) {
+    return std::round(milliseconds * 10.0) / 10.0;
+}
 
 std::string dump(const ordered_json& object) {
     return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
@@ -22,12 +24,18 @@ std::string dump(const ordered_json& object) {
 
 const char* name_of(SessionEvent::Kind kind) {
     switch (kind) {
-        case SessionEvent::Kind::kRejected: return "rejected";
-        case SessionEvent::Kind::kJoin: return "join";
-        case SessionEvent::Kind::kSplit: return "split";
-        case SessionEvent::Kind::kReset: return "reset";
-        case SessionEvent::Kind::kTransfer: return "transfer";
-        case SessionEvent::Kind::kSolve: return "solve";
+        case SessionEvent::Kind::kRejected:
+            return "rejected";
+        case SessionEvent::Kind::kJoin:
+            return "join";
+        case SessionEvent::Kind::kSplit:
+            return "split";
+        case SessionEvent::Kind::kReset:
+            return "reset";
+        case SessionEvent::Kind::kTransfer:
+            return "transfer";
+        case SessionEvent::Kind::kSolve:
+            return "solve";
     }
     return "unknown";
 }
@@ -42,9 +50,10 @@ std::string log_line(const ImageReport& image, const SessionCounts& counts) {
                         {"waiting", counts.waiting},
                         {"resets", counts.resets},
                         {"latency_ms", rounded(image.latency_ms)}};
-    object["stages_ms"] = ordered_json{{"extract", rounded(image.extract_ms)},   {"retrieve", rounded(image.retrieve_ms)},
-                                       {"verify", rounded(image.verify_ms)},     {"cluster", rounded(image.cluster_ms)},
-                                       {"solve", rounded(image.solve_ms)},       {"merge", rounded(image.merge_ms)}};
+    object["stages_ms"] = ordered_json{
+        {"extract", rounded(image.extract_ms)}, {"retrieve", rounded(image.retrieve_ms)},
+        {"verify", rounded(image.verify_ms)},   {"cluster", rounded(image.cluster_ms)},
+        {"solve", rounded(image.solve_ms)},     {"merge", rounded(image.merge_ms)}};
     object["version"] = counts.version;
     object["images"] = counts.images;
     object["rejected"] = counts.rejected;
@@ -65,14 +74,16 @@ std::string log_line(const SessionEvent& event) {
 Result<std::unique_ptr<EventLog>> EventLog::open(const std::filesystem::path& file) {
     std::ofstream stream(file, std::ios::app);
     if (!stream) {
-        return Error{ErrorCode::kIo, "cannot write the log " + file.string() + ": " + std::strerror(errno) + "; choose another --log"};
+        return Error{ErrorCode::kIo, "cannot write the log " + file.string() + ": " +
+                                         std::strerror(errno) + "; choose another --log"};
     }
     return std::unique_ptr<EventLog>(new EventLog(std::move(stream)));
 }
 
 void EventLog::write(const PublishMessage& publish) {
     for (const SessionEvent& event : publish.events) stream_ << log_line(event) << '\n';
-    for (const ImageReport& image : publish.images) stream_ << log_line(image, publish.counts) << '\n';
+    for (const ImageReport& image : publish.images)
+        stream_ << log_line(image, publish.counts) << '\n';
     stream_.flush();
 }
 

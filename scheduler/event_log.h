@@ -12,9 +12,10 @@
 
 namespace psfm {
 
-/// The log of a session as JSON lines (DESIGN.md section 5): an "image" event for every image once a published
-/// version takes account of it, "rejected", "join", "split", "reset", "transfer" and "solve" events as they happen.
-/// Every line is flushed, so that the log can be followed. Appends. Not thread-safe.
+/// The log of a session as JSON lines (DESIGN.md section 5): an "image" event for every image once
+/// a published version takes account of it, "rejected", "join", "split", "reset", "transfer" and
+/// "solve" events as they happen. Every line is flushed, so that the log can be followed. Appends.
+/// Not thread-safe.
 class EventLog {
   public:
     /// @errors kIo, kNoSpace (the file cannot be opened for writing)

@@ -21,7 +21,8 @@
 
 namespace psfm {
 
-// What travels along the arrows of the flow graph. Messages are values; what they point to is immutable.
+// What travels along the arrows of the flow graph. Messages are values; what they point to is
+// immutable.
 
 using Clock = std::chrono::steady_clock;
 
@@ -98,43 +99,45 @@ struct ResumedImage {
     AcceptedImagePtr image;
 };
 
-using CommitInput =
-    std::variant<ExtractedMessage, ResumedImage, VerifiedMessage, SolvedMessage, MergedMessage, EndOfPhotos>;
+using CommitInput = std::variant<ExtractedMessage, ResumedImage, VerifiedMessage, SolvedMessage,
+                                 MergedMessage, EndOfPhotos>;
 
 /// One line of the log: an image, once a published version takes account of it.
 struct ImageReport {
     std::uint32_t index = 0;  ///< 1 for the session's first image
     std::string name;
     double latency_ms = 0.0;  ///< from admission to publication
-    double extract_ms = 0.0, retrieve_ms = 0.0, verify_ms = 0.0, cluster_ms = 0.0, solve_ms = 0.0, merge_ms = 0.0;
+    double extract_ms = 0.0, retrieve_ms = 0.0, verify_ms = 0.0, cluster_ms = 0.0, solve_ms = 0.0,
+           merge_ms = 0.0;
 };
 
 /// Something that happened to a cluster or a photograph, for people.
 struct SessionEvent {
     enum class Kind : std::uint8_t { kRejected, kJoin, kSplit, kReset, kTransfer, kSolve };
     Kind kind{};
-    std::string text;                  ///< one sentence
-    std::vector<std::string> images;   ///< names concerned, at most a few
+    std::string text;                 ///< one sentence
+    std::vector<std::string> images;  ///< names concerned, at most a few
     std::vector<std::uint32_t> clusters;
-    std::string detail_json;           ///< an object with further fields for the log; may be empty
+    std::string detail_json;  ///< an object with further fields for the log; may be empty
 };
 
 /// The counts that `status` and the log show.
 struct SessionCounts {
     std::uint32_t images = 0, placed = 0, waiting = 0, rejected = 0;
-    std::uint32_t clusters = 0;            ///< with a model
+    std::uint32_t clusters = 0;  ///< with a model
     std::uint32_t effective_clusters = 0;
     std::uint64_t version = 0;
     std::uint32_t resets = 0;
-    std::uint32_t solves_new = 0, solves_extend = 0, solves_settle = 0, solves_skipped = 0, solves_coalesced = 0;
+    std::uint32_t solves_new = 0, solves_extend = 0, solves_settle = 0, solves_skipped = 0,
+                  solves_coalesced = 0;
 };
 
 /// What the commit node tells the world.
 struct PublishMessage {
     ScenePtr scene;  ///< null when only events happened
     SessionCounts counts;
-    std::vector<ImageReport> images;   ///< ascending by index
-    std::vector<SessionEvent> events;  ///< in the order they happened
+    std::vector<ImageReport> images;    ///< ascending by index
+    std::vector<SessionEvent> events;   ///< in the order they happened
     std::uint32_t photos_released = 0;  ///< admission tokens given back
     std::uint32_t images_released = 0;
 };

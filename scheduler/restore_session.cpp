@@ -9,7 +9,8 @@
 namespace psfm {
 namespace {
 
-Result<void> restore_images(const SessionReader& store, const SessionConfig& config, RestoredSession& restored) {
+Result<void> restore_images(const SessionReader& store, const SessionConfig& config,
+                            RestoredSession& restored) {
     SessionState& state = restored.state;
     auto images = store.images();
     if (!images.ok()) return images.error();
@@ -39,26 +40,29 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
         auto descriptors = store.descriptors(static_cast<ImageId>(i));
         if (!descriptors.ok()) return descriptors.error();
         const Image& image = state.images[i];
-        restored.unverified.push_back(std::make_shared<const AcceptedImage>(
-            AcceptedImage{image, state.cameras.at(image.camera), state.keypoints[i], *std::move(descriptors)}));
+        restored.unverified.push_back(std::make_shared<const AcceptedImage>(AcceptedImage{
+            image, state.cameras.at(image.camera), state.keypoints[i], *std::move(descriptors)}));
     }
     return {};
 }
 
-Result<void> restore_view_graph(const SessionReader& store, const EdgeWeightOptions& options, SessionState& state) {
+Result<void> restore_view_graph(const SessionReader& store, const EdgeWeightOptions& options,
+                                SessionState& state) {
     for (std::uint32_t i = 0; i < state.verified; ++i) {
         const ImageId image = state.view_graph.add_node();
         const auto pairs = store.pairs_of(image);
         if (!pairs.ok()) return pairs.error();
         for (const VerifiedPairPtr& pair : *pairs) {
             const double weight = edge_weight(pair->geometry, options);
-            if (weight > 0.0) state.view_graph.add_edge(pair->pair.first, pair->pair.second, weight, pair);
+            if (weight > 0.0)
+                state.view_graph.add_edge(pair->pair.first, pair->pair.second, weight, pair);
         }
     }
     return {};
 }
 
-Result<void> restore_clusters(const SessionReader& store, const StageOptions& options, SessionState& state) {
+Result<void> restore_clusters(const SessionReader& store, const StageOptions& options,
+                              SessionState& state) {
     const auto clusters = store.clusters();
     if (!clusters.ok()) return clusters.error();
     std::vector<ClusterMembers> members;
@@ -76,9 +80,10 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
         if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
             const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
             const std::shared_ptr<const Reconstruction>& model = (*solution)->model;
-            const bool covered = std::ranges::all_of(model->images, [&](const RegisteredImage& image) {
-                return std::ranges::binary_search(entry.members, image.image);
-            });
+            const bool covered =
+                std::ranges::all_of(model->images, [&](const RegisteredImage& image) {
+                    return std::ranges::binary_search(entry.members, image.image);
+                });
             if (covered) {
                 entry.model = model;
                 entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
@@ -100,11 +105,15 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
 
 }  // namespace
 
-Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config, const StageOptions& options) {
+Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
+                                        const StageOptions& options) {
     RestoredSession restored{SessionState(options.solve.mu_min), {}, {}};
     if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
-    if (const auto done = restore_view_graph(store, options.edge_weight, restored.state); !done.ok()) return done.error();
-    if (const auto done = restore_clusters(store, options, restored.state); !done.ok()) return done.error();
+    if (const auto done = restore_view_graph(store, options.edge_weight, restored.state);
+        !done.ok())
+        return done.error();
+    if (const auto done = restore_clusters(store, options, restored.state); !done.ok())
+        return done.error();
     auto scene = store.scene();
     if (!scene.ok()) return scene.error();
     const auto summary_text = store.scene_summary_json();

@@ -26,7 +26,8 @@ class SeenPhotos {
   public:
     explicit SeenPhotos(const RestoredSession& restored) {
         for (const Image& image : restored.state.images) accepted_.insert(image.name);
-        for (const RejectedPhoto& photo : restored.rejected) rejected_[photo.name] = photo.file_size;
+        for (const RejectedPhoto& photo : restored.rejected)
+            rejected_[photo.name] = photo.file_size;
     }
 
     bool contains(const PhotoFile& photo) const {
@@ -52,8 +53,9 @@ bool admit(Admission& tokens, const SessionGraph& graph, const std::atomic<bool>
 }
 
 /// @return how many photographs were put into the graph
-std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified, const SeenPhotos& seen,
-          PhotoSource& photos, Admission& photo_tokens, Admission& image_tokens, const std::atomic<bool>& stop) {
+std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified,
+                   const SeenPhotos& seen, PhotoSource& photos, Admission& photo_tokens,
+                   Admission& image_tokens, const std::atomic<bool>& stop) {
     for (const AcceptedImagePtr& image : unverified) {
         if (!admit(image_tokens, graph, stop)) return 0;
         graph.put(ResumedImage{image});
@@ -76,8 +78,9 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
 
 }  // namespace
 
-Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config, const ExecutionOptions& execution,
-                               PhotoSource& photos, SessionObserver& observer, const std::atomic<bool>& stop) {
+Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
+                               const ExecutionOptions& execution, PhotoSource& photos,
+                               SessionObserver& observer, const std::atomic<bool>& stop) {
     const auto options = stage_options(config);
     if (!options.ok()) return options.error();
     auto restored = restore_session(store, config, *options);
@@ -87,14 +90,20 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     SessionGraph::Parts parts;
     for (std::uint32_t i = 0; i < restored->state.verified; ++i) {
         const Image& image = restored->state.images[i];
-        parts.verified_images.push_back({image.id, restored->state.cameras.at(image.camera), image.metadata.content_hash});
+        parts.verified_images.push_back(
+            {image.id, restored->state.cameras.at(image.camera), image.metadata.content_hash});
     }
     Committer committer(store, config, *options, std::move(restored->state));
-    const int threads = execution.threads > 0 ? execution.threads : static_cast<int>(std::thread::hardware_concurrency());
-    // The thread that feeds the graph sleeps most of the time: it has a slot of its own beside the workers'.
+    const int threads = execution.threads > 0
+                            ? execution.threads
+                            : static_cast<int>(std::thread::hardware_concurrency());
+    // The thread that feeds the graph sleeps most of the time: it has a slot of its own beside the
+    // workers'.
     tbb::task_arena arena(threads + 1, 1);
     Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
-    Admission image_tokens(config.deterministic ? 1 : config.batch ? std::numeric_limits<int>::max() : execution.images_in_flight);
+    Admission image_tokens(config.deterministic ? 1
+                           : config.batch       ? std::numeric_limits<int>::max()
+                                                : execution.images_in_flight);
     parts.store = &store;
     parts.options = &*options;
     parts.seed = config.seed;
@@ -107,7 +116,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     auto graph = SessionGraph::create(parts, arena);
     if (!graph.ok()) return graph.error();
 
-    const std::uint64_t photos_put = feed(**graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
+    const std::uint64_t photos_put =
+        feed(**graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
     if (!stop.load()) (*graph)->end_of_photos(photos_put);
     if (const auto done = (*graph)->wait(); !done.ok()) return done.error();
 

@@ -27,7 +27,8 @@ class PhotoSource {
   public:
     virtual ~PhotoSource() = default;
     enum class Next : std::uint8_t { kPhoto, kLater, kEnd };
-    /// kPhoto: `photo` is the next one; kLater: none at the moment (a watched folder); kEnd: none will follow.
+    /// kPhoto: `photo` is the next one; kLater: none at the moment (a watched folder); kEnd: none
+    /// will follow.
     virtual Next next(PhotoFile& photo) = 0;
 };
 
@@ -49,14 +50,17 @@ class PhotoList final : public PhotoSource {
 struct SessionRun {
     bool interrupted = false;  ///< `stop` was set before everything was done
     SessionCounts counts;
-    std::vector<std::pair<std::string, WaitReason>> waiting;  ///< names of images in no model, with the reason
+    std::vector<std::pair<std::string, WaitReason>>
+        waiting;  ///< names of images in no model, with the reason
 };
 
-/// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and everything is
-/// solved, or `stop` is set: then commits under way are finished, and the rest is left for the next run.
-/// Photographs that the session has (by name), or has rejected and that have not changed, are skipped.
+/// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and
+/// everything is solved, or `stop` is set: then commits under way are finished, and the rest is
+/// left for the next run. Photographs that the session has (by name), or has rejected and that have
+/// not changed, are skipped.
 /// @errors those of the store and of retrieval (vocabulary file); the store stays consistent
-Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config, const ExecutionOptions& execution,
-                               PhotoSource& photos, SessionObserver& observer, const std::atomic<bool>& stop);
+Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
+                               const ExecutionOptions& execution, PhotoSource& photos,
+                               SessionObserver& observer, const std::atomic<bool>& stop);
 
 }  // namespace psfm

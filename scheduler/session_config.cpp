@@ -11,7 +11,10 @@ using nlohmann::json;
 constexpr int kConfigVersion = 1;
 
 json encode_camera(const Camera& camera) {
-    return {{"model", std::string(model_name(camera.model))}, {"width", camera.width}, {"height", camera.height}, {"params", camera.params}};
+    return {{"model", std::string(model_name(camera.model))},
+            {"width", camera.width},
+            {"height", camera.height},
+            {"params", camera.params}};
 }
 
 Result<Camera> decode_camera(const json& object) {
@@ -34,7 +37,8 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
     if (config.preset == "paper") {
         options.clustering.form = JaccardForm::kLiteral;
     } else if (config.preset != "default") {
-        return Error{ErrorCode::kInvalidArgument, "unknown preset '" + config.preset + "'; there are default and paper"};
+        return Error{ErrorCode::kInvalidArgument,
+                     "unknown preset '" + config.preset + "'; there are default and paper"};
     }
     return options;
 }
@@ -62,10 +66,12 @@ Result<SessionConfig> decode_config(const std::string& text) {
     try {
         const json object = json::parse(text);
         if (object.at("version").get<int>() > kConfigVersion) {
-            return Error{ErrorCode::kVersion, "the session's settings were written by a newer psfm; use that one"};
+            return Error{ErrorCode::kVersion,
+                         "the session's settings were written by a newer psfm; use that one"};
         }
         config.preset = object.at("preset").get<std::string>();
-        const auto sharing = camera_sharing_from_name(object.at("camera_sharing").get<std::string>());
+        const auto sharing =
+            camera_sharing_from_name(object.at("camera_sharing").get<std::string>());
         if (!sharing) return Error{ErrorCode::kDamaged, "settings name an unknown camera sharing"};
         config.camera_sharing = *sharing;
         for (const auto& [name, given] : object.at("cameras").items()) {

@@ -36,8 +36,8 @@ struct SessionConfig {
     bool deterministic = false;
     bool batch = false;  ///< no cluster is solved before the last photograph has arrived
     std::uint64_t seed = 0;
-    std::string vocabulary_file;      ///< empty: trained from the session's own descriptors
-    std::vector<std::string> order;   ///< names in order of arrival; empty: by name
+    std::string vocabulary_file;     ///< empty: trained from the session's own descriptors
+    std::vector<std::string> order;  ///< names in order of arrival; empty: by name
 };
 
 /// The options of every stage, as the configuration's preset and switches set them.
@@ -54,17 +54,19 @@ struct StageOptions {
 /// @errors kInvalidArgument (unknown preset)
 Result<StageOptions> stage_options(const SessionConfig& config);
 
-/// The configuration as JSON text, and back. @errors kDamaged (not such a text), kVersion (of a newer program)
+/// The configuration as JSON text, and back. @errors kDamaged (not such a text), kVersion (of a
+/// newer program)
 std::string encode_config(const SessionConfig& config);
 Result<SessionConfig> decode_config(const std::string& json);
 
 /// How one process works on a session: nothing here changes results of a deterministic session.
 struct ExecutionOptions {
     int threads = 0;  ///< 0: as many as there are cores
-    /// Photographs decoded or waiting to be accepted at most, beside those that are worked on. Higher: more memory.
+    /// Photographs decoded or waiting to be accepted at most, beside those that are worked on.
+    /// Higher: more memory.
     int photos_ahead = 4;
-    /// Accepted images that are not yet part of a published version, at most. Higher: more overlap, more latency
-    /// under load. A deterministic session has one.
+    /// Accepted images that are not yet part of a published version, at most. Higher: more overlap,
+    /// more latency under load. A deterministic session has one.
     int images_in_flight = 8;
 };
 

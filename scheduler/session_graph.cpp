@@ -26,7 +26,8 @@ double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Runs a stage; an exception of a library becomes a failed result, since it would cancel the whole graph.
+/// Runs a stage; an exception of a library becomes a failed result, since it would cancel the whole
+/// graph.
 template <typename T, typename Body>
 Result<T> guarded(const char* stage, const Body& body) {
     try {
@@ -75,20 +76,35 @@ struct SessionGraph::Nodes {
     flow::function_node<PublishMessage, flow::continue_msg> publish;
 };
 
-SessionGraph::Nodes::Nodes(const Parts& the_parts, tbb::task_arena& the_arena, RetrievalState the_retrieval)
+SessionGraph::Nodes::Nodes(const Parts& the_parts, tbb::task_arena& the_arena,
+                           RetrievalState the_retrieval)
     : parts(the_parts),
       retrieval(std::move(the_retrieval)),
       known(the_parts.verified_images),
       arena(the_arena),
       extract(graph, flow::unlimited, [this](const ArrivedPhoto& p) { return extract_photo(p); }),
-      by_arrival(graph, [](const CommitInput& m) { return static_cast<std::size_t>(std::get<ExtractedMessage>(m).sequence); }),
-      commit(graph, flow::serial, [this](const CommitInput& m, CommitNode::output_ports_type& ports) { commit_message(m, ports); }),
-      retrieve(graph, flow::serial, [this](const AcceptedImagePtr& m) { return retrieve_candidates(m); }),
+      by_arrival(graph,
+                 [](const CommitInput& m) {
+                     return static_cast<std::size_t>(std::get<ExtractedMessage>(m).sequence);
+                 }),
+      commit(graph, flow::serial,
+             [this](const CommitInput& m, CommitNode::output_ports_type& ports) {
+                 commit_message(m, ports);
+             }),
+      retrieve(graph, flow::serial,
+               [this](const AcceptedImagePtr& m) { return retrieve_candidates(m); }),
       verify(graph, flow::unlimited, [this](const RetrievedMessage& m) { return verify_image(m); }),
-      by_image(graph, [first = the_parts.verified_images.size()](const CommitInput& m) { return index_of(std::get<VerifiedMessage>(m).image) - first; }),
-      solve_cluster_node(graph, flow::unlimited, [this](const SolveMessage& m) { return solve(m); }),
+      by_image(graph,
+               [first = the_parts.verified_images.size()](const CommitInput& m) {
+                   return index_of(std::get<VerifiedMessage>(m).image) - first;
+               }),
+      solve_cluster_node(graph, flow::unlimited,
+                         [this](const SolveMessage& m) { return solve(m); }),
       merge(graph, flow::serial, [this](const MergeMessage& m) { return merge_clusters(m); }),
-      publish(graph, flow::serial, [this](const PublishMessage& m) { publish_version(m); return flow::continue_msg{}; }) {
+      publish(graph, flow::serial, [this](const PublishMessage& m) {
+          publish_version(m);
+          return flow::continue_msg{};
+      }) {
     flow::make_edge(extract, by_arrival);
     flow::make_edge(by_arrival, commit);
     flow::make_edge(flow::output_port<0>(commit), retrieve);
@@ -111,8 +127,8 @@ CommitInput SessionGraph::Nodes::extract_photo(const ArrivedPhoto& arrived) cons
     ExtractedMessage message{arrived.sequence, arrived.file, arrived.arrival, nullptr, 0.0};
     if (stopped()) return message;
     const auto start = Clock::now();
-    message.photo = std::make_shared<const Result<ExtractedPhoto>>(
-        guarded<ExtractedPhoto>("features", [&] { return run_features(arrived.file, parts.options->features); }));
+    message.photo = std::make_shared<const Result<ExtractedPhoto>>(guarded<ExtractedPhoto>(
+        "features", [&] { return run_features(arrived.file, parts.options->features); }));
     message.extract_ms = milliseconds_since(start);
     return message;
 }
@@ -124,11 +140,15 @@ RetrievedMessage SessionGraph::Nodes::retrieve_candidates(const AcceptedImagePtr
     known.push_back({accepted->image.id, accepted->camera, accepted->image.metadata.content_hash});
     message.candidates = std::make_shared<const Result<std::vector<KnownImage>>>(
         guarded<std::vector<KnownImage>>("retrieval", [&]() -> Result<std::vector<KnownImage>> {
-            const DescriptorSource descriptors = [this](ImageId image) { return parts.store->descriptors(image); };
-            auto result = run_retrieval(retrieval, accepted->image.id, *accepted->descriptors, descriptors, parts.options->retrieval);
+            const DescriptorSource descriptors = [this](ImageId image) {
+                return parts.store->descriptors(image);
+            };
+            auto result = run_retrieval(retrieval, accepted->image.id, *accepted->descriptors,
+                                        descriptors, parts.options->retrieval);
             if (!result.ok()) return result.error();
             std::vector<KnownImage> candidates;
-            for (const RetrievalCandidate& candidate : result->candidates) candidates.push_back(known[index_of(candidate.image)]);
+            for (const RetrievalCandidate& candidate : result->candidates)
+                candidates.push_back(known[index_of(candidate.image)]);
             return candidates;
         }));
     message.retrieve_ms = milliseconds_since(start);
@@ -139,30 +159,37 @@ CommitInput SessionGraph::Nodes::verify_image(const RetrievedMessage& retrieved)
     VerifiedMessage message{retrieved.image->image.id, nullptr, retrieved.retrieve_ms, 0.0};
     if (stopped() || !retrieved.candidates) return message;
     if (!retrieved.candidates->ok()) {
-        message.pairs = std::make_shared<const Result<std::vector<VerifiedPairPtr>>>(retrieved.candidates->error());
+        message.pairs = std::make_shared<const Result<std::vector<VerifiedPairPtr>>>(
+            retrieved.candidates->error());
         return message;
     }
     const auto start = Clock::now();
     message.pairs = std::make_shared<const Result<std::vector<VerifiedPairPtr>>>(
-        guarded<std::vector<VerifiedPairPtr>>("verification", [&]() -> Result<std::vector<VerifiedPairPtr>> {
-            VerificationInput input;
-            const AcceptedImage& accepted = *retrieved.image;
+        guarded<std::vector<VerifiedPairPtr>>(
+            "verification", [&]() -> Result<std::vector<VerifiedPairPtr>> {
+                VerificationInput input;
+                const AcceptedImage& accepted = *retrieved.image;
 
-            input.image = {accepted.image.id, accepted.camera, accepted.image.metadata.content_hash, accepted.keypoints, accepted.descriptors};
-            for (const KnownImage& candidate : retrieved.candidates->value()) input.candidates.push_back(candidate.id);
-            input.load = [&](ImageId id) -> Result<ImageFeatures> {
-                const KnownImage& earlier = *std::ranges::lower_bound(retrieved.candidates->value(), id, {}, &KnownImage::id);
-                auto descriptors = parts.store->descriptors(id);
-                if (!descriptors.ok()) return descriptors.error();
-                auto keypoints = parts.store->keypoints(id);
-                if (!keypoints.ok()) return keypoints.error();
-                return ImageFeatures{id, earlier.camera, earlier.content_hash, *std::move(keypoints), *std::move(descriptors)};
-            };
-            input.seed = parts.seed;
-            auto verified = run_verification(input, parts.options->verification);
-            if (!verified.ok()) return verified.error();
-            return std::move(verified->pairs);
-        }));
+                input.image = {accepted.image.id, accepted.camera,
+                               accepted.image.metadata.content_hash, accepted.keypoints,
+                               accepted.descriptors};
+                for (const KnownImage& candidate : retrieved.candidates->value())
+                    input.candidates.push_back(candidate.id);
+                input.load = [&](ImageId id) -> Result<ImageFeatures> {
+                    const KnownImage& earlier = *std::ranges::lower_bound(
+                        retrieved.candidates->value(), id, {}, &KnownImage::id);
+                    auto descriptors = parts.store->descriptors(id);
+                    if (!descriptors.ok()) return descriptors.error();
+                    auto keypoints = parts.store->keypoints(id);
+                    if (!keypoints.ok()) return keypoints.error();
+                    return ImageFeatures{id, earlier.camera, earlier.content_hash,
+                                         *std::move(keypoints), *std::move(descriptors)};
+                };
+                input.seed = parts.seed;
+                auto verified = run_verification(input, parts.options->verification);
+                if (!verified.ok()) return verified.error();
+                return std::move(verified->pairs);
+            }));
     message.verify_ms = milliseconds_since(start);
     return message;
 }
@@ -170,8 +197,10 @@ CommitInput SessionGraph::Nodes::verify_image(const RetrievedMessage& retrieved)
 CommitInput SessionGraph::Nodes::solve(const SolveMessage& message) const {
     SolvedMessage solved{message.problem, nullptr};
     if (stopped()) return solved;
-    solved.solution = std::make_shared<const Result<ClusterSolution>>(guarded<ClusterSolution>(
-        "solve", [&] { return solve_cluster(*message.problem, parts.options->solve, parts.stop); }));
+    solved.solution =
+        std::make_shared<const Result<ClusterSolution>>(guarded<ClusterSolution>("solve", [&] {
+            return solve_cluster(*message.problem, parts.options->solve, parts.stop);
+        }));
     return solved;
 }
 
@@ -179,8 +208,8 @@ CommitInput SessionGraph::Nodes::merge_clusters(const MergeMessage& message) con
     MergedMessage merged{message.problem, nullptr, 0.0};
     if (stopped()) return merged;
     const auto start = Clock::now();
-    merged.result = std::make_shared<const Result<MergeResult>>(
-        guarded<MergeResult>("merge", [&] { return run_merge(*message.problem, parts.options->merge); }));
+    merged.result = std::make_shared<const Result<MergeResult>>(guarded<MergeResult>(
+        "merge", [&] { return run_merge(*message.problem, parts.options->merge); }));
     merged.merge_ms = milliseconds_since(start);
     return merged;
 }
@@ -196,30 +225,38 @@ void SessionGraph::Nodes::publish_version(const PublishMessage& message) const {
     }
 }
 
-void SessionGraph::Nodes::commit_message(const CommitInput& input, CommitNode::output_ports_type& ports) {
+void SessionGraph::Nodes::commit_message(const CommitInput& input,
+                                         CommitNode::output_ports_type& ports) {
     if (stopped()) return;
     auto output = guarded<CommitOutput>("commit", [&] { return parts.committer->handle(input); });
     if (!output.ok()) {
         fail(output.error());
         return;
     }
-    for (AcceptedImagePtr& accepted : output->accepted) std::get<0>(ports).try_put(std::move(accepted));
-    for (SolveMessage& solve_message : output->solves) std::get<1>(ports).try_put(std::move(solve_message));
+    for (AcceptedImagePtr& accepted : output->accepted)
+        std::get<0>(ports).try_put(std::move(accepted));
+    for (SolveMessage& solve_message : output->solves)
+        std::get<1>(ports).try_put(std::move(solve_message));
     if (output->merge) std::get<2>(ports).try_put(*std::move(output->merge));
     if (output->publish) std::get<3>(ports).try_put(*std::move(output->publish));
 }
 
-Result<std::unique_ptr<SessionGraph>> SessionGraph::create(const Parts& parts, tbb::task_arena& arena) {
+Result<std::unique_ptr<SessionGraph>> SessionGraph::create(const Parts& parts,
+                                                           tbb::task_arena& arena) {
     std::shared_ptr<const Vocabulary> given;
     if (!parts.vocabulary_file.empty()) {
         auto words = read_vocabulary(parts.vocabulary_file);
         if (!words.ok()) return words.error();
         given = std::make_shared<const Vocabulary>(*std::move(words));
     }
-    const DescriptorSource descriptors = [&](ImageId image) { return parts.store->descriptors(image); };
+    const DescriptorSource descriptors = [&](ImageId image) {
+        return parts.store->descriptors(image);
+    };
     Result<RetrievalState> retrieval = Error{};
     arena.execute([&] {
-        retrieval = rebuild_retrieval(given, static_cast<std::uint32_t>(parts.verified_images.size()), descriptors, parts.options->retrieval);
+        retrieval =
+            rebuild_retrieval(given, static_cast<std::uint32_t>(parts.verified_images.size()),
+                              descriptors, parts.options->retrieval);
     });
     if (!retrieval.ok()) return retrieval.error();
     std::unique_ptr<Nodes> nodes;
@@ -234,9 +271,15 @@ SessionGraph::~SessionGraph() {
     nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
 }
 
-void SessionGraph::put(const ArrivedPhoto& photo) { nodes_->extract.try_put(photo); }
-void SessionGraph::put(const ResumedImage& image) { nodes_->commit.try_put(image); }
-void SessionGraph::end_of_photos(std::uint64_t photos) { nodes_->commit.try_put(EndOfPhotos{photos}); }
+void SessionGraph::put(const ArrivedPhoto& photo) {
+    nodes_->extract.try_put(photo);
+}
+void SessionGraph::put(const ResumedImage& image) {
+    nodes_->commit.try_put(image);
+}
+void SessionGraph::end_of_photos(std::uint64_t photos) {
+    nodes_->commit.try_put(EndOfPhotos{photos});
+}
 
 Result<void> SessionGraph::wait() {
     nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
@@ -245,6 +288,8 @@ Result<void> SessionGraph::wait() {
     return nodes_->error;
 }
 
-bool SessionGraph::failed() const { return nodes_->has_failed.load(); }
+bool SessionGraph::failed() const {
+    return nodes_->has_failed.load();
+}
 
 }  // namespace psfm

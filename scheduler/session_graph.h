@@ -18,9 +18,11 @@
 
 namespace psfm {
 
-/// The flow graph: extract -> sequence -> commit -> retrieve -> verify -> sequence -> commit -> solve -> commit
-/// -> merge -> commit -> publish. Topology is fixed; all state is in the committer and in retrieval's index, each
-/// owned by one serial node. The first error stops the graph: nodes pass nothing on any more.
+/// The flow graph: extract -> sequence -> commit -> retrieve -> verify -> sequence -> commit ->
+/// solve -> commit
+/// -> merge -> commit -> publish. Topology is fixed; all state is in the committer and in
+/// retrieval's index, each owned by one serial node. The first error stops the graph: nodes pass
+/// nothing on any more.
 class SessionGraph {
   public:
     struct Parts {
@@ -32,7 +34,8 @@ class SessionGraph {
         const std::atomic<bool>* stop;
         Admission* photo_tokens;
         Admission* image_tokens;
-        /// Images whose pairs are committed, by id: they are indexed for retrieval before the first photograph.
+        /// Images whose pairs are committed, by id: they are indexed for retrieval before the first
+        /// photograph.
         std::vector<KnownImage> verified_images;
         std::string vocabulary_file;  ///< empty: trained from the session's own images
     };

@@ -34,11 +34,12 @@ struct PendingImage {
 struct SessionState {
     explicit SessionState(std::uint32_t mu_min) : clusters(mu_min) {}
 
-    std::vector<Image> images;                           ///< by id
+    std::vector<Image> images;                                ///< by id
     std::vector<std::shared_ptr<const Keypoints>> keypoints;  ///< by id
-    std::map<CameraId, Camera> cameras;                  ///< as accepted
-    std::map<std::string, CameraId> camera_of_key;       ///< see assign_camera
-    std::unordered_map<std::uint64_t, std::string> name_of_content;  ///< finds byte-identical photographs
+    std::map<CameraId, Camera> cameras;                       ///< as accepted
+    std::map<std::string, CameraId> camera_of_key;            ///< see assign_camera
+    std::unordered_map<std::uint64_t, std::string>
+        name_of_content;  ///< finds byte-identical photographs
     std::uint32_t rejected = 0;
     std::uint32_t verified = 0;  ///< images 0 … verified-1 are nodes of the view graph
     ViewGraph view_graph;
@@ -61,6 +62,7 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
                                         const StageOptions& options);
 
 /// Members of clusters that are in no published model, with the reason, ascending by image.
-std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state, std::uint32_t mu_min);
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,
+                                                           std::uint32_t mu_min);
 
 }  // namespace psfm

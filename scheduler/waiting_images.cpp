@@ -6,7 +6,8 @@
 
 namespace psfm {
 
-std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state, std::uint32_t mu_min) {
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,
+                                                           std::uint32_t mu_min) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
         for (const ImageId image : entry.members) {
@@ -17,7 +18,8 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
             } else if (entry.members.size() < mu_min) {
                 reason = WaitReason::kClusterTooSmall;
             } else if (entry.phase == ClusterPhase::kClean) {
-                reason = entry.model && !entry.model->empty() ? WaitReason::kRegistrationFailed : WaitReason::kNoSeed;
+                reason = entry.model && !entry.model->empty() ? WaitReason::kRegistrationFailed
+                                                              : WaitReason::kNoSeed;
             }
             waiting.emplace_back(image, reason);
         }

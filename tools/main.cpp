@@ -14,13 +14,16 @@ constexpr int kUsageError = 2;
 constexpr int kUnexpectedError = 1;
 
 int run(int argc, char** argv) {
-    CLI::App app{"psfm: progressive Structure from Motion. Photographs in, camera poses and a sparse model out, while "
-                 "they arrive."};
-    app.footer("First steps:\n"
-               "  psfm run PHOTOS --session DIR\n"
-               "  psfm status --session DIR\n"
-               "  psfm export --session DIR --format colmap --output MODEL\n"
-               "Exit codes: 0 done, 2 usage, 3 bad input, 4 session damaged, 1 anything else.");
+    CLI::App app{
+        "psfm: progressive Structure from Motion. Photographs in, camera poses and a sparse model "
+        "out, while "
+        "they arrive."};
+    app.footer(
+        "First steps:\n"
+        "  psfm run PHOTOS --session DIR\n"
+        "  psfm status --session DIR\n"
+        "  psfm export --session DIR --format colmap --output MODEL\n"
+        "Exit codes: 0 done, 2 usage, 3 bad input, 4 session damaged, 1 anything else.");
     app.set_version_flag("--version", PSFM_VERSION);
     app.require_subcommand(1);
     int exit_code = 0;
@@ -45,7 +48,8 @@ int main(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const std::exception& exception) {
-        std::cerr << "psfm: unexpected failure (" << exception.what() << "); the session keeps what it acknowledged\n";
+        std::cerr << "psfm: unexpected failure (" << exception.what()
+                  << "); the session keeps what it acknowledged\n";
         return kUnexpectedError;
     }
 }

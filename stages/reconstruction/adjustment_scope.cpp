@@ -30,7 +30,8 @@ AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics) {
     scope.point_images = scope.free_images;
     if (free_intrinsics) scope.free_cameras.assign(cameras.begin(), cameras.end());
     const std::vector<std::uint32_t> counts = observation_counts(model);
-    const auto best = std::ranges::max_element(scope.free_images, {}, [&](std::uint32_t i) { return counts[i]; });
+    const auto best =
+        std::ranges::max_element(scope.free_images, {}, [&](std::uint32_t i) { return counts[i]; });
     if (best != scope.free_images.end()) scope.held_images = {*best};
     return scope;
 }
@@ -41,7 +42,8 @@ AdjustmentScope local_scope(const WorkingModel& model, std::uint32_t image, std:
     for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
         const std::uint32_t point = model.point_of({image, feature});
         if (point == WorkingModel::kNoPoint) continue;
-        for (const WorkingModel::Feature& other : model.points()[point].track) ++shared[other.image];
+        for (const WorkingModel::Feature& other : model.points()[point].track)
+            ++shared[other.image];
     }
     std::vector<std::uint32_t> order;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
@@ -53,7 +55,8 @@ AdjustmentScope local_scope(const WorkingModel& model, std::uint32_t image, std:
     scope.point_images = {image};
     scope.free_images = {image};
     // Two neighbours at least stay where they are: they carry the gauge.
-    const std::size_t free_neighbors = std::min(neighbors, order.size() >= 2 ? order.size() - 2 : 0);
+    const std::size_t free_neighbors =
+        std::min(neighbors, order.size() >= 2 ? order.size() - 2 : 0);
     scope.free_images.insert(scope.free_images.end(), order.begin(),
                              order.begin() + static_cast<std::ptrdiff_t>(free_neighbors));
     std::ranges::sort(scope.free_images);

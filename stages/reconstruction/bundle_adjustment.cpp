@@ -44,11 +44,14 @@ Selection select_residuals(const WorkingModel& model, const AdjustmentScope& sco
     const auto visit_points = [&](std::uint32_t image, auto&& visit) {
         for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
             const std::uint32_t point = model.point_of({image, feature});
-            if (point != WorkingModel::kNoPoint) visit(WorkingModel::Feature{image, feature}, point);
+            if (point != WorkingModel::kNoPoint)
+                visit(WorkingModel::Feature{image, feature}, point);
         }
     };
     for (const std::uint32_t image : scope.point_images) {
-        visit_points(image, [&](const auto&, std::uint32_t point) { selection.point_is_free[point] = true; });
+        visit_points(image, [&](const auto&, std::uint32_t point) {
+            selection.point_is_free[point] = true;
+        });
     }
     const auto add = [&](const WorkingModel::Feature& feature, std::uint32_t point) {
         // A point behind a camera has no residual to start from; filtering will remove it.
@@ -58,7 +61,8 @@ Selection select_residuals(const WorkingModel& model, const AdjustmentScope& sco
     };
     for (std::uint32_t point = 0; point < selection.point_is_free.size(); ++point) {
         if (!selection.point_is_free[point]) continue;
-        for (const WorkingModel::Feature& feature : model.points()[point].track) add(feature, point);
+        for (const WorkingModel::Feature& feature : model.points()[point].track)
+            add(feature, point);
     }
     for (const std::uint32_t image : scope.free_images) {
         visit_points(image, [&](const WorkingModel::Feature& feature, std::uint32_t point) {
@@ -88,7 +92,8 @@ Parameters lay_out(const WorkingModel& model, const std::vector<Residual>& resid
     for (std::size_t& at : parameters.point_at) place(at, kPointSize);
     parameters.values.resize(size);
     for (const auto& [camera, at] : parameters.camera_at) {
-        std::ranges::copy(model.cameras().at(camera).params, parameters.values.begin() + static_cast<std::ptrdiff_t>(at));
+        std::ranges::copy(model.cameras().at(camera).params,
+                          parameters.values.begin() + static_cast<std::ptrdiff_t>(at));
     }
     for (std::uint32_t image = 0; image < parameters.pose_at.size(); ++image) {
         if (parameters.pose_at[image] != Parameters::kAbsent) {
@@ -97,7 +102,8 @@ Parameters lay_out(const WorkingModel& model, const std::vector<Residual>& resid
     }
     for (std::uint32_t point = 0; point < parameters.point_at.size(); ++point) {
         if (parameters.point_at[point] != Parameters::kAbsent) {
-            Eigen::Map<Eigen::Vector3d>{&parameters.values[parameters.point_at[point]]} = model.points()[point].position;
+            Eigen::Map<Eigen::Vector3d>{&parameters.values[parameters.point_at[point]]} =
+                model.points()[point].position;
         }
     }
     return parameters;
@@ -107,17 +113,27 @@ Parameters lay_out(const WorkingModel& model, const std::vector<Residual>& resid
 ceres::SubsetManifold* intrinsics_manifold(CameraModel model) {
     std::vector<int> constant;
     switch (model) {
-        case CameraModel::kSimplePinhole: constant = {1, 2, 3, 4, 5, 6, 7}; break;
-        case CameraModel::kSimpleRadial: constant = {1, 2, 4, 5, 6, 7}; break;
-        case CameraModel::kRadial: constant = {1, 2, 5, 6, 7}; break;
-        case CameraModel::kPinhole: constant = {2, 3, 4, 5, 6, 7}; break;
-        case CameraModel::kOpenCv: constant = {2, 3}; break;
+        case CameraModel::kSimplePinhole:
+            constant = {1, 2, 3, 4, 5, 6, 7};
+            break;
+        case CameraModel::kSimpleRadial:
+            constant = {1, 2, 4, 5, 6, 7};
+            break;
+        case CameraModel::kRadial:
+            constant = {1, 2, 5, 6, 7};
+            break;
+        case CameraModel::kPinhole:
+            constant = {2, 3, 4, 5, 6, 7};
+            break;
+        case CameraModel::kOpenCv:
+            constant = {2, 3};
+            break;
     }
     return new ceres::SubsetManifold(kIntrinsicsSize, constant);
 }
 
-void write_back(const Parameters& parameters, const Selection& selection, const AdjustmentScope& scope,
-                WorkingModel& model) {
+void write_back(const Parameters& parameters, const Selection& selection,
+                const AdjustmentScope& scope, WorkingModel& model) {
     for (const std::uint32_t image : scope.free_images) {
         const std::size_t at = parameters.pose_at[image];
         if (at != Parameters::kAbsent) model.set_pose(image, read_pose(&parameters.values[at]));
@@ -131,10 +147,11 @@ void write_back(const Parameters& parameters, const Selection& selection, const 
         const auto at = parameters.camera_at.find(camera);
         if (at == parameters.camera_at.end()) continue;
         Camera refined = model.cameras().at(camera);
-        std::copy_n(parameters.values.begin() + static_cast<std::ptrdiff_t>(at->second), kIntrinsicsSize,
-                    refined.params.begin());
+        std::copy_n(parameters.values.begin() + static_cast<std::ptrdiff_t>(at->second),
+                    kIntrinsicsSize, refined.params.begin());
         if (!validate(refined).ok()) continue;
-        if (refined.focal_source != FocalSource::kGiven) refined.focal_source = FocalSource::kEstimated;
+        if (refined.focal_source != FocalSource::kGiven)
+            refined.focal_source = FocalSource::kEstimated;
         model.mutable_camera(camera) = refined;
     }
 }
@@ -142,15 +159,19 @@ void write_back(const Parameters& parameters, const Selection& selection, const 
 }  // namespace
 
 Result<void> validate(const AdjustmentOptions& options) {
-    if (!(options.loss_scale_px > 0) || options.max_iterations < 1 || !(options.function_tolerance > 0)) {
-        return Error{ErrorCode::kInvalidArgument, "bundle adjustment: scale, iterations and tolerance must be positive"};
+    if (!(options.loss_scale_px > 0) || options.max_iterations < 1 ||
+        !(options.function_tolerance > 0)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "bundle adjustment: scale, iterations and tolerance must be positive"};
     }
     return {};
 }
 
-Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope, const AdjustmentOptions& options) {
+Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
+                                const AdjustmentOptions& options) {
     const Selection selection = select_residuals(model, scope);
-    if (selection.residuals.empty()) return Error{ErrorCode::kDegenerate, "bundle adjustment: no observations"};
+    if (selection.residuals.empty())
+        return Error{ErrorCode::kDegenerate, "bundle adjustment: no observations"};
     Parameters parameters = lay_out(model, selection.residuals);
 
     ceres::Problem::Options problem_options;
@@ -166,9 +187,10 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     for (const Residual& residual : selection.residuals) {
         const std::uint32_t image = residual.feature.image;
         costs.emplace_back(model.camera(image).model, model.pixel(residual.feature), 1.0);
-        problem.AddResidualBlock(&costs.back(), &loss, &parameters.values[parameters.pose_at[image]],
-                                 &parameters.values[parameters.point_at[residual.point]],
-                                 &parameters.values[parameters.camera_at.at(model.camera_id(image))]);
+        problem.AddResidualBlock(
+            &costs.back(), &loss, &parameters.values[parameters.pose_at[image]],
+            &parameters.values[parameters.point_at[residual.point]],
+            &parameters.values[parameters.camera_at.at(model.camera_id(image))]);
     }
 
     auto* ordering = new ceres::ParameterBlockOrdering;
@@ -176,7 +198,8 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         if (parameters.pose_at[image] == Parameters::kAbsent) continue;
         double* block = &parameters.values[parameters.pose_at[image]];
-        if (!selection.image_is_free[image] || std::ranges::find(scope.held_images, image) != scope.held_images.end()) {
+        if (!selection.image_is_free[image] ||
+            std::ranges::find(scope.held_images, image) != scope.held_images.end()) {
             problem.SetParameterBlockConstant(block);
         } else {
             problem.SetManifold(block, &pose_manifold);
@@ -203,7 +226,8 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
 
     ceres::Solver::Options solver;
     solver.linear_solver_ordering.reset(ordering);
-    solver.linear_solver_type = free_poses <= options.dense_up_to_images ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    solver.linear_solver_type =
+        free_poses <= options.dense_up_to_images ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (PARTS.md).
     solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     solver.max_num_iterations = options.max_iterations;
@@ -215,13 +239,16 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
     if (!summary.IsSolutionUsable()) {
-        return Error{ErrorCode::kDegenerate, "bundle adjustment found no solution: " + summary.message};
+        return Error{ErrorCode::kDegenerate,
+                     "bundle adjustment found no solution: " + summary.message};
     }
     write_back(parameters, selection, scope, model);
     AdjustmentReport report;
     report.residuals = selection.residuals.size();
     report.iterations = static_cast<int>(summary.iterations.size());
-    const auto rms = [&](double cost) { return std::sqrt(2.0 * cost / static_cast<double>(report.residuals)); };
+    const auto rms = [&](double cost) {
+        return std::sqrt(2.0 * cost / static_cast<double>(report.residuals));
+    };
     report.rms_before_px = rms(summary.initial_cost);
     report.rms_after_px = rms(summary.final_cost);
     return report;

@@ -11,15 +11,16 @@
 namespace psfm {
 
 struct AdjustmentOptions {
-    /// Residuals beyond this many pixels lose weight (soft L1). Higher: outliers pull more; lower: slower
-    /// convergence from a rough start. COLMAP 3.8 uses 1 in local adjustments.
+    /// Residuals beyond this many pixels lose weight (soft L1). Higher: outliers pull more; lower:
+    /// slower convergence from a rough start. COLMAP 3.8 uses 1 in local adjustments.
     double loss_scale_px = 1.0;
     /// Iterations at most. COLMAP 3.8: 50 for global, 25 for local adjustments.
     int max_iterations = 50;
-    /// Stop when a step improves the cost by less than this fraction. Higher: faster, less accurate.
+    /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
+    /// accurate.
     double function_tolerance = 1e-6;
-    /// Images above which the reduced camera system is solved sparse instead of dense. Ours, from timings of
-    /// both at 20 to 200 images on quad-streams.
+    /// Images above which the reduced camera system is solved sparse instead of dense. Ours, from
+    /// timings of both at 20 to 200 images on quad-streams.
     std::uint32_t dense_up_to_images = 60;
 };
 
@@ -28,7 +29,8 @@ Result<void> validate(const AdjustmentOptions& options);
 /// What may move. Poses of other images that see the points stay as they are.
 struct AdjustmentScope {
     std::vector<std::uint32_t> free_images;  ///< ascending local indices
-    std::vector<CameraId> free_cameras;      ///< ascending; focal lengths and distortion, never the principal point
+    std::vector<CameraId>
+        free_cameras;  ///< ascending; focal lengths and distortion, never the principal point
     /// Points seen by these images move; all other points that free images see stay fixed.
     std::vector<std::uint32_t> point_images;
     /// Image whose pose is held, to fix the gauge; none when fixed images do that already.
@@ -50,9 +52,10 @@ struct AdjustmentReport {
     double rms_after_px = 0.0;
 };
 
-/// Bundle adjustment with Ceres on one thread: bitwise repeatable for equal models (all parameter blocks
-/// lie in one array, see PARTS.md).
+/// Bundle adjustment with Ceres on one thread: bitwise repeatable for equal models (all parameter
+/// blocks lie in one array, see PARTS.md).
 /// @errors kDegenerate (nothing to adjust, or the solver found no usable step)
-Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope, const AdjustmentOptions& options);
+Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
+                                const AdjustmentOptions& options);
 
 }  // namespace psfm

@@ -27,18 +27,20 @@ struct ClusterImage {
 
 /// What a solution hands to the next solve of the same cluster, beside its model.
 struct SolveState {
-    /// Images that were in the model when all of it was last adjusted: decides when it has grown by eta_grow.
+    /// Images that were in the model when all of it was last adjusted: decides when it has grown by
+    /// eta_grow.
     std::uint32_t images_at_full_adjustment = 0;
     bool operator==(const SolveState&) const = default;
 };
 
-/// Everything that solving one cluster needs, and nothing else: equal problems have equal solutions.
+/// Everything that solving one cluster needs, and nothing else: equal problems have equal
+/// solutions.
 struct ClusterProblem {
     ClusterId cluster{};
-    std::uint32_t topology = 0;         ///< the cluster's topology count that this problem describes
-    std::vector<ClusterImage> images;   ///< members, ascending by id
-    std::map<CameraId, Camera> cameras; ///< as accepted; every camera of `images`
-    std::vector<VerifiedPairPtr> pairs; ///< edges with both ends in the cluster, ascending
+    std::uint32_t topology = 0;        ///< the cluster's topology count that this problem describes
+    std::vector<ClusterImage> images;  ///< members, ascending by id
+    std::map<CameraId, Camera> cameras;  ///< as accepted; every camera of `images`
+    std::vector<VerifiedPairPtr> pairs;  ///< edges with both ends in the cluster, ascending
     /// The model to extend: all its images are members. Null: solve anew.
     std::shared_ptr<const Reconstruction> recycled;
     SolveState recycled_state;
@@ -53,8 +55,8 @@ const char* name_of(SolveKind kind);
 
 struct SolveStatistics {
     SolveKind kind = SolveKind::kNew;
-    std::uint32_t registered = 0;       ///< images added by this solve
-    std::uint32_t removed_edges = 0;    ///< edges dropped from the local graph by rotation averaging
+    std::uint32_t registered = 0;     ///< images added by this solve
+    std::uint32_t removed_edges = 0;  ///< edges dropped from the local graph by rotation averaging
     std::uint32_t full_adjustments = 0;
     std::uint32_t local_adjustments = 0;
     double mean_error_px = 0.0;
@@ -64,9 +66,11 @@ struct SolveStatistics {
 struct ClusterSolution {
     ClusterId cluster{};
     std::uint32_t topology = 0;
-    std::shared_ptr<const Reconstruction> model;  ///< never null; empty when nothing could be solved
+    std::shared_ptr<const Reconstruction>
+        model;  ///< never null; empty when nothing could be solved
     SolveState state;
-    std::vector<std::pair<ImageId, WaitReason>> waiting;  ///< members that are not in the model, ascending
+    std::vector<std::pair<ImageId, WaitReason>>
+        waiting;  ///< members that are not in the model, ascending
     SolveStatistics statistics;
 };
 

@@ -30,10 +30,12 @@ CorrespondenceGraph::CorrespondenceGraph(std::span<const ImageId> images,
         const auto image2 = local_index(images, pair->pair.second);
         if (image1 && image2) local_pairs.push_back({*image1, *image2, &pair->geometry.inliers});
     }
-    std::ranges::sort(local_pairs, {}, [](const LocalPair& p) { return std::pair(p.image1, p.image2); });
+    std::ranges::sort(local_pairs, {},
+                      [](const LocalPair& p) { return std::pair(p.image1, p.image2); });
 
     const auto in_range = [&](const LocalPair& pair, const FeatureMatch& match) {
-        return match.first < feature_counts[pair.image1] && match.second < feature_counts[pair.image2];
+        return match.first < feature_counts[pair.image1] &&
+               match.second < feature_counts[pair.image2];
     };
     // Count, then fill: two passes keep every image's matches in one block of memory.
     offsets_.resize(images.size());
@@ -53,7 +55,8 @@ CorrespondenceGraph::CorrespondenceGraph(std::span<const ImageId> images,
         targets_[i].resize(offsets_[i].back());
     }
     std::vector<std::vector<std::uint32_t>> next(images.size());
-    for (std::size_t i = 0; i < images.size(); ++i) next[i].assign(offsets_[i].begin(), offsets_[i].end() - 1);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        next[i].assign(offsets_[i].begin(), offsets_[i].end() - 1);
     for (const LocalPair& pair : local_pairs) {
         for (const FeatureMatch& match : *pair.matches) {
             if (!in_range(pair, match)) continue;
@@ -63,7 +66,8 @@ CorrespondenceGraph::CorrespondenceGraph(std::span<const ImageId> images,
     }
     for (std::size_t i = 0; i < images.size(); ++i) {
         for (std::size_t f = 0; f + 1 < offsets_[i].size(); ++f) {
-            std::sort(targets_[i].begin() + offsets_[i][f], targets_[i].begin() + offsets_[i][f + 1]);
+            std::sort(targets_[i].begin() + offsets_[i][f],
+                      targets_[i].begin() + offsets_[i][f + 1]);
         }
     }
 }

@@ -14,8 +14,10 @@ namespace {
 
 using Feature = WorkingModel::Feature;
 
-/// The unregistered image that sees the model best, among those that see more than at their last try.
-std::optional<std::uint32_t> next_image(const WorkingModel& model, const std::vector<std::uint32_t>& points_at_last_try,
+/// The unregistered image that sees the model best, among those that see more than at their last
+/// try.
+std::optional<std::uint32_t> next_image(const WorkingModel& model,
+                                        const std::vector<std::uint32_t>& points_at_last_try,
                                         std::uint32_t min_points) {
     std::optional<std::uint32_t> best;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
@@ -32,13 +34,15 @@ bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
     const Camera& camera = model.camera(image);
     if (camera.focal_source != FocalSource::kUnknown) return true;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
-        if (model.registered(other) && model.camera_id(other) == model.camera_id(image)) return true;
+        if (model.registered(other) && model.camera_id(other) == model.camera_id(image))
+            return true;
     }
     return false;
 }
 
 /// Pose from the points that the image's features are matched with.
-bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem, const SolveOptions& options) {
+bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
+                    const SolveOptions& options) {
     std::vector<Feature> features;
     std::vector<std::uint32_t> points;
     std::vector<Eigen::Vector2d> pixels;
@@ -49,7 +53,9 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
         for (const Feature& match : model.matches().matches(feature)) {
             const std::uint32_t point = model.point_of(match);
             if (point == WorkingModel::kNoPoint) continue;
-            if (std::find(points.begin() + static_cast<std::ptrdiff_t>(first), points.end(), point) != points.end()) continue;
+            if (std::find(points.begin() + static_cast<std::ptrdiff_t>(first), points.end(),
+                          point) != points.end())
+                continue;
             features.push_back(feature);
             points.push_back(point);
             pixels.push_back(model.pixel(feature));
@@ -58,7 +64,8 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
     }
     const bool refine_focal = !problem.fix_intrinsics && !camera_is_settled(model, image);
     const std::uint64_t seed = problem.seed ^ problem.images[image].content_hash;
-    const auto pose = estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal, options.absolute_pose, seed);
+    const auto pose = estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal,
+                                             options.absolute_pose, seed);
     if (!pose.ok()) return false;
     if (refine_focal) model.mutable_camera(model.camera_id(image)) = pose->camera;
     model.set_pose(image, pose->cam_from_world);
@@ -71,12 +78,13 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
 }
 
 /// Structure around a newly registered image. @return whether the image keeps enough observations
-bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem, const SolveOptions& options,
-                  SolveStatistics& statistics) {
+bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
+                  const SolveOptions& options, SolveStatistics& statistics) {
     triangulate_image(model, image, options.tracks);
     // The second pass works on what the first has filtered (COLMAP's mapper does likewise).
     for (int pass = 0; pass < 2; ++pass) {
-        const AdjustmentScope scope = local_scope(model, image, options.local_neighbors, !problem.fix_intrinsics);
+        const AdjustmentScope scope =
+            local_scope(model, image, options.local_neighbors, !problem.fix_intrinsics);
         if (!adjust(model, scope, options.local_adjustment).ok()) break;
         ++statistics.local_adjustments;
         const std::size_t removed = filter_tracks(model, scope.free_images, options.tracks);
@@ -94,18 +102,23 @@ bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem
 
 }  // namespace
 
-Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem, const SolveOptions& options,
-                        const std::atomic<bool>* cancel, SolveState& state, SolveStatistics& statistics) {
+Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
+                        const SolveOptions& options, const std::atomic<bool>* cancel,
+                        SolveState& state, SolveStatistics& statistics) {
     std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
-    while (const auto image = next_image(model, points_at_last_try, options.absolute_pose.min_inliers)) {
-        if (cancel != nullptr && cancel->load()) return Error{ErrorCode::kCancelled, "stopped on request"};
+    while (const auto image =
+               next_image(model, points_at_last_try, options.absolute_pose.min_inliers)) {
+        if (cancel != nullptr && cancel->load())
+            return Error{ErrorCode::kCancelled, "stopped on request"};
         points_at_last_try[*image] = model.visible_points(*image);
         if (!register_image(model, *image, problem, options)) continue;
         if (!settle_image(model, *image, problem, options, statistics)) continue;
         ++statistics.registered;
-        const double grown = static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;
+        const double grown =
+            static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;
         if (grown > options.eta_grow * static_cast<double>(state.images_at_full_adjustment)) {
-            const auto adjustments = refine_model(model, problem.fix_intrinsics, options.growth, options);
+            const auto adjustments =
+                refine_model(model, problem.fix_intrinsics, options.growth, options);
             if (!adjustments.ok()) return adjustments.error();
             statistics.full_adjustments += *adjustments;
             state.images_at_full_adjustment = model.registered_count();

@@ -13,13 +13,15 @@
 
 namespace psfm {
 
-/// Adds images to a model, one after the other, until no more can be placed (paper, "Extend"): the one
-/// that sees most points, spread best, is registered by P3P, its tracks are continued, created and split,
-/// its surroundings adjusted; all of the model is adjusted whenever it has grown by eta_grow.
+/// Adds images to a model, one after the other, until no more can be placed (paper, "Extend"): the
+/// one that sees most points, spread best, is registered by P3P, its tracks are continued, created
+/// and split, its surroundings adjusted; all of the model is adjusted whenever it has grown by
+/// eta_grow.
 /// @param state  images at the last full adjustment: read and written
 /// @return counts; SolveStatistics::kind is left alone
 /// @errors kDegenerate (an adjustment of all of the model failed), kCancelled
-Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem, const SolveOptions& options,
-                        const std::atomic<bool>* cancel, SolveState& state, SolveStatistics& statistics);
+Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
+                        const SolveOptions& options, const std::atomic<bool>* cancel,
+                        SolveState& state, SolveStatistics& statistics);
 
 }  // namespace psfm

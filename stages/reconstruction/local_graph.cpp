@@ -12,7 +12,9 @@ namespace psfm {
 namespace {
 
 std::uint32_t local_index(const ClusterProblem& problem, ImageId image) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(problem.images, image, {}, &ClusterImage::id) - problem.images.begin());
+    return static_cast<std::uint32_t>(
+        std::ranges::lower_bound(problem.images, image, {}, &ClusterImage::id) -
+        problem.images.begin());
 }
 
 /// The camera that a pair was verified with, at the focal length that is believed now.
@@ -23,27 +25,34 @@ Camera with_focal(Camera verified, const Camera& believed) {
     return verified;
 }
 
-/// Intrinsics from the recycled model where it has them; unknown focal lengths from fundamental matrices.
-Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem, const SolveOptions& options) {
+/// Intrinsics from the recycled model where it has them; unknown focal lengths from fundamental
+/// matrices.
+Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem,
+                                                    const SolveOptions& options) {
     std::map<CameraId, Camera> cameras = problem.cameras;
     if (problem.recycled) {
         for (const auto& [id, camera] : problem.recycled->cameras) {
             if (cameras.contains(id)) cameras[id] = camera;
         }
     }
-    const bool all_known = std::ranges::all_of(cameras, [](const auto& c) { return c.second.focal_source != FocalSource::kUnknown; });
+    const bool all_known = std::ranges::all_of(
+        cameras, [](const auto& c) { return c.second.focal_source != FocalSource::kUnknown; });
     if (all_known || problem.fix_intrinsics) return cameras;
     std::map<ImageId, CameraId> camera_of;
     for (const ClusterImage& image : problem.images) camera_of[image.id] = image.camera;
     // The pairs were verified without the distortion that the recycled model has found since.
     std::map<CameraId, Camera> as_verified = problem.cameras;
     for (auto& [id, camera] : as_verified) {
-        if (camera.focal_source == FocalSource::kUnknown && cameras.at(id).focal_source != FocalSource::kUnknown) {
+        if (camera.focal_source == FocalSource::kUnknown &&
+            cameras.at(id).focal_source != FocalSource::kUnknown) {
             camera = with_focal(camera, cameras.at(id));
         }
     }
-    const auto keypoints_of = [&](ImageId image) { return std::span<const Keypoint>(*problem.images[local_index(problem, image)].keypoints); };
-    const auto calibration = calibrate_focals(problem.pairs, as_verified, camera_of, options.focal_calibration, keypoints_of);
+    const auto keypoints_of = [&](ImageId image) {
+        return std::span<const Keypoint>(*problem.images[local_index(problem, image)].keypoints);
+    };
+    const auto calibration = calibrate_focals(problem.pairs, as_verified, camera_of,
+                                              options.focal_calibration, keypoints_of);
     if (!calibration.ok()) return calibration.error();
     for (const auto& [id, focal] : calibration->focals) {
         // The source stays kUnknown: registration still searches around the estimate.
@@ -54,17 +63,23 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
     return cameras;
 }
 
-/// Relative poses of pairs without known focal lengths follow from the cameras as they are believed now.
+/// Relative poses of pairs without known focal lengths follow from the cameras as they are believed
+/// now.
 /// @return null when no pose agrees with the pair's matches any more
-VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem, const LocalGraph& graph,
-                             const VerifyOptions& options) {
+VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem,
+                             const LocalGraph& graph, const VerifyOptions& options) {
     const ClusterImage& image1 = problem.images[local_index(problem, pair->pair.first)];
     const ClusterImage& image2 = problem.images[local_index(problem, pair->pair.second)];
     const Camera& verified1 = problem.cameras.at(image1.camera);
     const Camera& verified2 = problem.cameras.at(image2.camera);
-    if (verified1.focal_source != FocalSource::kUnknown && verified2.focal_source != FocalSource::kUnknown) return pair;
-    const MatchedViews views{*image1.keypoints, *image2.keypoints, with_focal(verified1, graph.cameras.at(image1.camera)),
-                             with_focal(verified2, graph.cameras.at(image2.camera)), {}};
+    if (verified1.focal_source != FocalSource::kUnknown &&
+        verified2.focal_source != FocalSource::kUnknown)
+        return pair;
+    const MatchedViews views{*image1.keypoints,
+                             *image2.keypoints,
+                             with_focal(verified1, graph.cameras.at(image1.camera)),
+                             with_focal(verified2, graph.cameras.at(image2.camera)),
+                             {}};
     auto geometry = with_intrinsics(pair->geometry, views, options);
     if (!geometry.ok()) return nullptr;
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
@@ -84,12 +99,16 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
         if (!local) continue;
         pairs.push_back(std::move(local));
         const TwoViewGeometry& geometry = pairs.back()->geometry;
-        rotations.push_back({local_index(problem, pair->pair.first), local_index(problem, pair->pair.second),
-                             geometry.cam2_from_cam1.rotation, std::max(1.0, static_cast<double>(geometry.inliers.size()))});
+        rotations.push_back({local_index(problem, pair->pair.first),
+                             local_index(problem, pair->pair.second),
+                             geometry.cam2_from_cam1.rotation,
+                             std::max(1.0, static_cast<double>(geometry.inliers.size()))});
     }
-    const auto averaged = average_rotations(rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);
+    const auto averaged = average_rotations(
+        rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);
     if (!averaged.ok()) return averaged.error();
-    for (const std::uint32_t edge : edges_within(*averaged, options.max_edge_error_deg)) graph.pairs.push_back(pairs[edge]);
+    for (const std::uint32_t edge : edges_within(*averaged, options.max_edge_error_deg))
+        graph.pairs.push_back(pairs[edge]);
     graph.removed_edges = static_cast<std::uint32_t>(problem.pairs.size() - graph.pairs.size());
     return graph;
 }

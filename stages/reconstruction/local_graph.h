@@ -11,11 +11,12 @@
 
 namespace psfm {
 
-/// The sub-graph that one solve works on: intrinsics to start from, and the pairs that agree with the
-/// averaged rotations. The session's view graph is not touched: what is dropped here is looked at again
-/// in the next solve (paper sec. "Progressive Viewgraph").
+/// The sub-graph that one solve works on: intrinsics to start from, and the pairs that agree with
+/// the averaged rotations. The session's view graph is not touched: what is dropped here is looked
+/// at again in the next solve (paper sec. "Progressive Viewgraph").
 struct LocalGraph {
-    std::map<CameraId, Camera> cameras;  ///< as accepted, recycled, or calibrated from fundamental matrices
+    std::map<CameraId, Camera>
+        cameras;  ///< as accepted, recycled, or calibrated from fundamental matrices
     std::vector<VerifiedPairPtr> pairs;  ///< ascending; relative poses as with `cameras`
     std::uint32_t removed_edges = 0;
 };

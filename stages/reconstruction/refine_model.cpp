@@ -41,20 +41,25 @@ std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& option
     return removed;
 }
 
-Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics, const RefinementOptions& refinement,
+Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
+                                   const RefinementOptions& refinement,
                                    const SolveOptions& options) {
     std::uint32_t adjustments = 0;
     for (int round = 0; round < refinement.max_rounds; ++round) {
         std::size_t changed = complete_tracks(model, options.tracks);
         changed += merge_tracks(model, options.tracks);
         changed += retriangulate(model, options.tracks);
-        const bool free_intrinsics = !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
-        const auto report = adjust(model, full_scope(model, free_intrinsics), refinement.adjustment);
+        const bool free_intrinsics =
+            !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
+        const auto report =
+            adjust(model, full_scope(model, free_intrinsics), refinement.adjustment);
         if (!report.ok()) return report.error();
         ++adjustments;
         changed += filter_tracks(model, {}, options.tracks);
         remove_weak_images(model, options);
-        if (static_cast<double>(changed) < refinement.max_change * static_cast<double>(observation_count(model))) break;
+        if (static_cast<double>(changed) <
+            refinement.max_change * static_cast<double>(observation_count(model)))
+            break;
     }
     return adjustments;
 }

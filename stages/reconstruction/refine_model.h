@@ -8,11 +8,12 @@
 
 namespace psfm {
 
-/// Adjusts all of a model: completes and joins tracks, adjusts, filters, and again until little changes;
-/// takes out images that are left with too few observations.
+/// Adjusts all of a model: completes and joins tracks, adjusts, filters, and again until little
+/// changes; takes out images that are left with too few observations.
 /// @return bundle adjustments done
 /// @errors kDegenerate
-Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics, const RefinementOptions& refinement,
+Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
+                                   const RefinementOptions& refinement,
                                    const SolveOptions& options);
 
 /// Registered images with fewer observations than the options ask for are taken out of the model.

@@ -33,14 +33,15 @@ struct PixelDerivatives {
     RowMatrix28 by_intrinsics = RowMatrix28::Zero();
 };
 
-PixelDerivatives one_focal(const double* p, const Eigen::Vector2d& x, double k1, double k2, int radial_terms) {
+PixelDerivatives one_focal(const double* p, const Eigen::Vector2d& x, double k1, double k2,
+                           int radial_terms) {
     const double f = p[0];
     const double r2 = x.squaredNorm();
     const double factor = 1.0 + k1 * r2 + k2 * r2 * r2;
     PixelDerivatives out;
     out.pixel = Eigen::Vector2d(p[1], p[2]) + f * factor * x;
-    out.by_normalized = f * (factor * Eigen::Matrix2d::Identity() +
-                             (2.0 * k1 + 4.0 * k2 * r2) * x * x.transpose());
+    out.by_normalized =
+        f * (factor * Eigen::Matrix2d::Identity() + (2.0 * k1 + 4.0 * k2 * r2) * x * x.transpose());
     out.by_intrinsics.col(0) = factor * x;
     out.by_intrinsics(0, 1) = 1.0;
     out.by_intrinsics(1, 2) = 1.0;
@@ -61,7 +62,8 @@ PixelDerivatives two_focals(const double* p, const Eigen::Vector2d& x, bool dist
     const Eigen::Vector2d tangential2(r2 + 2.0 * x.x() * x.x(), 2.0 * xy);
     const double factor = 1.0 + k1 * r2 + k2 * r2 * r2;
     const Eigen::Vector2d bent = factor * x + p1 * tangential1 + p2 * tangential2;
-    Eigen::Matrix2d by_x = factor * Eigen::Matrix2d::Identity() + (2.0 * k1 + 4.0 * k2 * r2) * x * x.transpose();
+    Eigen::Matrix2d by_x =
+        factor * Eigen::Matrix2d::Identity() + (2.0 * k1 + 4.0 * k2 * r2) * x * x.transpose();
     by_x(0, 0) += 2.0 * p1 * x.y() + 6.0 * p2 * x.x();
     by_x(0, 1) += 2.0 * p1 * x.x() + 2.0 * p2 * x.y();
     by_x(1, 0) += 2.0 * p2 * x.y() + 2.0 * p1 * x.x();
@@ -84,11 +86,16 @@ PixelDerivatives two_focals(const double* p, const Eigen::Vector2d& x, bool dist
 
 PixelDerivatives evaluate_camera(CameraModel model, const double* p, const Eigen::Vector2d& x) {
     switch (model) {
-        case CameraModel::kSimplePinhole: return one_focal(p, x, 0.0, 0.0, 0);
-        case CameraModel::kSimpleRadial: return one_focal(p, x, p[3], 0.0, 1);
-        case CameraModel::kRadial: return one_focal(p, x, p[3], p[4], 2);
-        case CameraModel::kPinhole: return two_focals(p, x, false);
-        case CameraModel::kOpenCv: return two_focals(p, x, true);
+        case CameraModel::kSimplePinhole:
+            return one_focal(p, x, 0.0, 0.0, 0);
+        case CameraModel::kSimpleRadial:
+            return one_focal(p, x, p[3], 0.0, 1);
+        case CameraModel::kRadial:
+            return one_focal(p, x, p[3], p[4], 2);
+        case CameraModel::kPinhole:
+            return two_focals(p, x, false);
+        case CameraModel::kOpenCv:
+            return two_focals(p, x, true);
     }
     return {};
 }
@@ -133,7 +140,8 @@ bool PoseManifold::MinusJacobian(const double* /*x*/, double* jacobian) const {
     return true;
 }
 
-bool ReprojectionCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+bool ReprojectionCost::Evaluate(double const* const* parameters, double* residuals,
+                                double** jacobians) const {
     const Eigen::Map<const Eigen::Quaterniond> rotation(parameters[0]);
     const Eigen::Map<const Eigen::Vector3d> translation(parameters[0] + 4);
     const Eigen::Map<const Eigen::Vector3d> point(parameters[1]);

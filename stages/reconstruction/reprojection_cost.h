@@ -21,11 +21,12 @@ constexpr int kIntrinsicsSize = 8;
 void write_pose(const Rigid3& cam_from_world, double* block);
 Rigid3 read_pose(const double* block);
 
-/// Rigid motion with the tangent (w, v): rotation' = exp(w) * rotation, translation' = translation + v.
+/// Rigid motion with the tangent (w, v): rotation' = exp(w) * rotation, translation' = translation
+/// + v.
 ///
-/// ReprojectionCost gives its derivatives by (w, v) in the first six of the seven columns and leaves the
-/// last one zero; PlusJacobian is the matching [I6; 0], so nothing is computed through the quaternion's
-/// four components. Use with cost functions of that convention only.
+/// ReprojectionCost gives its derivatives by (w, v) in the first six of the seven columns and
+/// leaves the last one zero; PlusJacobian is the matching [I6; 0], so nothing is computed through
+/// the quaternion's four components. Use with cost functions of that convention only.
 class PoseManifold final : public ceres::Manifold {
   public:
     int AmbientSize() const override { return kPoseSize; }
@@ -36,14 +37,17 @@ class PoseManifold final : public ceres::Manifold {
     bool MinusJacobian(const double* x, double* jacobian) const override;
 };
 
-/// Projected minus observed pixel, divided by the observation's standard deviation; analytic derivatives.
-class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, kPointSize, kIntrinsicsSize> {
+/// Projected minus observed pixel, divided by the observation's standard deviation; analytic
+/// derivatives.
+class ReprojectionCost final
+    : public ceres::SizedCostFunction<2, kPoseSize, kPointSize, kIntrinsicsSize> {
   public:
     ReprojectionCost(CameraModel model, const Eigen::Vector2d& observed_px, double sigma_px)
         : model_(model), observed_(observed_px), inverse_sigma_(1.0 / sigma_px) {}
 
     /// False when the point is not in front of the camera: the solver then takes a shorter step.
-    bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+    bool Evaluate(double const* const* parameters, double* residuals,
+                  double** jacobians) const override;
 
   private:
     CameraModel model_;

@@ -21,7 +21,8 @@ Result<void> check_problem(const ClusterProblem& problem) {
             return Error{ErrorCode::kInvalidArgument, "cluster problem: images are not ascending"};
         }
         if (!image.keypoints || !problem.cameras.contains(image.camera)) {
-            return Error{ErrorCode::kInvalidArgument, "cluster problem: an image lacks its features or its camera"};
+            return Error{ErrorCode::kInvalidArgument,
+                         "cluster problem: an image lacks its features or its camera"};
         }
     }
     return {};
@@ -49,8 +50,9 @@ struct Attempt {
 };
 
 /// Starts from the best pair; from another one when most images stayed out. Keeps the larger model.
-Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph, const CorrespondenceGraph& matches,
-                          const SolveOptions& options, const std::atomic<bool>* cancel) {
+Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph,
+                          const CorrespondenceGraph& matches, const SolveOptions& options,
+                          const std::atomic<bool>* cancel) {
     constexpr int kStarts = 3;
     Attempt best;
     std::vector<bool> used(problem.images.size(), false);
@@ -62,10 +64,12 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
         Attempt attempt;
         attempt.state.images_at_full_adjustment = model.registered_count();
         attempt.statistics.registered = model.registered_count();
-        const auto grown = grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
+        const auto grown =
+            grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
         if (!grown.ok() && grown.error().code == ErrorCode::kCancelled) return grown.error();
         if (grown.ok() && model.registered_count() > best.model.images.size()) {
-            const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
+            const auto adjustments =
+                refine_model(model, problem.fix_intrinsics, options.settling, options);
             if (adjustments.ok()) {
                 attempt.statistics.full_adjustments += *adjustments;
                 attempt.state.images_at_full_adjustment = model.registered_count();
@@ -82,17 +86,20 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
     return best;
 }
 
-Result<Attempt> solve_extend(const ClusterProblem& problem, const LocalGraph& graph, const CorrespondenceGraph& matches,
-                             const SolveOptions& options, const std::atomic<bool>* cancel) {
+Result<Attempt> solve_extend(const ClusterProblem& problem, const LocalGraph& graph,
+                             const CorrespondenceGraph& matches, const SolveOptions& options,
+                             const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
     use_cameras(model, graph);
     model.load(*problem.recycled);
     Attempt attempt;
     attempt.state = problem.recycled_state;
-    const auto grown = grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
+    const auto grown =
+        grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
     if (problem.settle) {
-        const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
+        const auto adjustments =
+            refine_model(model, problem.fix_intrinsics, options.settling, options);
         if (!adjustments.ok()) return adjustments.error();
         attempt.statistics.full_adjustments += *adjustments;
         attempt.state.images_at_full_adjustment = model.registered_count();
@@ -101,12 +108,14 @@ Result<Attempt> solve_extend(const ClusterProblem& problem, const LocalGraph& gr
     return attempt;
 }
 
-std::vector<std::pair<ImageId, WaitReason>> waiting_images(const ClusterProblem& problem, const Reconstruction& model,
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const ClusterProblem& problem,
+                                                           const Reconstruction& model,
                                                            WaitReason if_no_model) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const ClusterImage& image : problem.images) {
         if (model.find(image.id) != nullptr) continue;
-        waiting.emplace_back(image.id, model.empty() ? if_no_model : WaitReason::kRegistrationFailed);
+        waiting.emplace_back(image.id,
+                             model.empty() ? if_no_model : WaitReason::kRegistrationFailed);
     }
     return waiting;
 }
@@ -117,7 +126,8 @@ double mean_error_px(const Reconstruction& model) {
     return model.points.empty() ? 0.0 : sum / static_cast<double>(model.points.size());
 }
 
-Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options, const std::atomic<bool>* cancel) {
+Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options,
+                              const std::atomic<bool>* cancel) {
     ClusterSolution solution;
     solution.cluster = problem.cluster;
     solution.topology = problem.topology;
@@ -152,10 +162,14 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
 
 const char* name_of(SolveKind kind) {
     switch (kind) {
-        case SolveKind::kTooSmall: return "too small";
-        case SolveKind::kNew: return "new";
-        case SolveKind::kExtend: return "extend";
-        case SolveKind::kSettle: return "settle";
+        case SolveKind::kTooSmall:
+            return "too small";
+        case SolveKind::kNew:
+            return "new";
+        case SolveKind::kExtend:
+            return "extend";
+        case SolveKind::kSettle:
+            return "settle";
     }
     return "unknown";
 }
@@ -168,7 +182,8 @@ Result<ClusterSolution> solve_cluster(const ClusterProblem& problem, const Solve
     try {
         auto solution = solve(problem, options, cancel);
         if (solution.ok()) {
-            const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+            const std::chrono::duration<double, std::milli> elapsed =
+                std::chrono::steady_clock::now() - start;
             solution->statistics.milliseconds = elapsed.count();
         }
         return solution;

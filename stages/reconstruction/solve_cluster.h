@@ -10,12 +10,12 @@
 
 namespace psfm {
 
-/// Reconstructs one cluster (paper sec. "Cluster Reconstruction"): a new model, incrementally, or the
-/// recycled one extended. A cluster below mu_min, or one that no pair can start, has an empty model and the
-/// reason for each image.
+/// Reconstructs one cluster (paper sec. "Cluster Reconstruction"): a new model, incrementally, or
+/// the recycled one extended. A cluster below mu_min, or one that no pair can start, has an empty
+/// model and the reason for each image.
 /// @param cancel  when it becomes true the solve ends soon with kCancelled; may be null
-/// @errors kInvalidArgument (problem or options violate their invariants), kCancelled, kInternal (a library's exception)
-/// Deterministic: bitwise equal for equal problems and options. Thread-safe.
+/// @errors kInvalidArgument (problem or options violate their invariants), kCancelled, kInternal (a
+/// library's exception) Deterministic: bitwise equal for equal problems and options. Thread-safe.
 Result<ClusterSolution> solve_cluster(const ClusterProblem& problem, const SolveOptions& options,
                                       const std::atomic<bool>* cancel = nullptr);
 

@@ -6,16 +6,18 @@ namespace psfm {
 
 Result<void> validate(const SolveOptions& options) {
     for (const Result<void>& part :
-         {validate(options.absolute_pose), validate(options.tracks), validate(options.local_adjustment),
-          validate(options.growth.adjustment), validate(options.settling.adjustment),
-          validate(options.rotation_averaging)}) {
+         {validate(options.absolute_pose), validate(options.tracks),
+          validate(options.local_adjustment), validate(options.growth.adjustment),
+          validate(options.settling.adjustment), validate(options.rotation_averaging)}) {
         if (!part.ok()) return part;
     }
-    if (options.mu_min < 2) return Error{ErrorCode::kInvalidArgument, "a cluster to be solved has at least 2 images"};
+    if (options.mu_min < 2)
+        return Error{ErrorCode::kInvalidArgument, "a cluster to be solved has at least 2 images"};
     if (!(options.max_edge_error_deg > 0) || !(options.eta_grow > 0)) {
         return Error{ErrorCode::kInvalidArgument, "rho_g,max and eta_grow must be positive"};
     }
-    if (options.initialization.max_pairs == 0 || options.growth.max_rounds < 1 || options.settling.max_rounds < 1) {
+    if (options.initialization.max_pairs == 0 || options.growth.max_rounds < 1 ||
+        options.settling.max_rounds < 1) {
         return Error{ErrorCode::kInvalidArgument, "pairs and rounds must be at least 1"};
     }
     return {};

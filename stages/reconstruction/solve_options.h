@@ -17,9 +17,11 @@ namespace psfm {
 /// Starting a model from two views.
 struct InitializationOptions {
     /// Points that the two-view model must have. Lower: starts from weaker pairs. COLMAP 3.8's
-    /// init_min_num_inliers is 100; ours, since mu_min images with few matches must still make a model.
+    /// init_min_num_inliers is 100; ours, since mu_min images with few matches must still make a
+    /// model.
     std::uint32_t min_points = 50;
-    /// Median triangulation angle at least [deg]; halved three times when no pair has it. COLMAP 3.8: 16.
+    /// Median triangulation angle at least [deg]; halved three times when no pair has it.
+    /// COLMAP 3.8: 16.
     double min_angle_deg = 16.0;
     /// Pairs tried at most for one start. Ours.
     std::uint32_t max_pairs = 30;
@@ -27,7 +29,8 @@ struct InitializationOptions {
 
 /// Adjusting all of a model.
 struct RefinementOptions {
-    AdjustmentOptions adjustment{.loss_scale_px = 1.0, .max_iterations = 50, .function_tolerance = 1e-6};
+    AdjustmentOptions adjustment{
+        .loss_scale_px = 1.0, .max_iterations = 50, .function_tolerance = 1e-6};
     /// Rounds of completing tracks, adjusting and filtering at most. COLMAP 3.8: 5.
     int max_rounds = 5;
     /// A round that changes a smaller part of the observations is the last. COLMAP 3.8: 0.0005.
@@ -37,27 +40,30 @@ struct RefinementOptions {
 struct SolveOptions {
     /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5.
     std::uint32_t mu_min = 5;
-    /// Edges that differ from the averaged rotations by more are dropped from the local graph [deg]. Higher: wrong
-    /// pairs stay in; lower: noisy right ones go. Paper: rho_g,max = 10.
+    /// Edges that differ from the averaged rotations by more are dropped from the local graph
+    /// [deg]. Higher: wrong pairs stay in; lower: noisy right ones go. Paper: rho_g,max = 10.
     double max_edge_error_deg = 10.0;
-    /// All of the model is adjusted when it has grown by this fraction. Lower: slower, more accurate in between.
-    /// Paper: eta_grow = 0.15.
+    /// All of the model is adjusted when it has grown by this fraction. Lower: slower, more
+    /// accurate in between. Paper: eta_grow = 0.15.
     double eta_grow = 0.15;
     /// Images beside the new one whose poses move in a local adjustment. COLMAP 3.8: 6 in all.
     std::uint32_t local_neighbors = 5;
-    /// Images with fewer observations after adjustment are taken out again. Ours: half of the inliers that
-    /// registration asks for.
+    /// Images with fewer observations after adjustment are taken out again. Ours: half of the
+    /// inliers that registration asks for.
     std::uint32_t min_observations = 10;
     InitializationOptions initialization;
     AbsolutePoseOptions absolute_pose;
     TrackOptions tracks;
-    AdjustmentOptions local_adjustment{.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5};
-    RefinementOptions growth{.adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
-                             .max_rounds = 2};
+    AdjustmentOptions local_adjustment{
+        .loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5};
+    RefinementOptions growth{
+        .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
+        .max_rounds = 2};
     RefinementOptions settling;
     RotationAveragingOptions rotation_averaging;
     FocalCalibrationOptions focal_calibration;
-    VerifyOptions verification;  ///< of pairs whose focal lengths have become known since they were verified
+    VerifyOptions
+        verification;  ///< of pairs whose focal lengths have become known since they were verified
 };
 
 Result<void> validate(const SolveOptions& options);

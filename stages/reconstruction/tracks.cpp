@@ -13,15 +13,18 @@ namespace {
 using Feature = WorkingModel::Feature;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
-/// The point among those of a feature's matches that explains the feature best, within the error bound.
-std::optional<std::uint32_t> best_point_for(const WorkingModel& model, const Feature& feature, double max_squared_error) {
+/// The point among those of a feature's matches that explains the feature best, within the error
+/// bound.
+std::optional<std::uint32_t> best_point_for(const WorkingModel& model, const Feature& feature,
+                                            double max_squared_error) {
     std::optional<std::uint32_t> best;
     double best_error = max_squared_error;
     for (const Feature& match : model.matches().matches(feature)) {
         const std::uint32_t point = model.point_of(match);
         if (point == WorkingModel::kNoPoint || best == point) continue;
         const std::vector<Feature>& track = model.points()[point].track;
-        const bool taken = std::ranges::any_of(track, [&](const Feature& f) { return f.image == feature.image; });
+        const bool taken =
+            std::ranges::any_of(track, [&](const Feature& f) { return f.image == feature.image; });
         if (taken) continue;
         const double error = model.squared_error(feature, model.points()[point].position);
         if (error < best_error) {
@@ -53,8 +56,11 @@ std::size_t complete_track(WorkingModel& model, std::uint32_t point, const Track
         std::vector<Feature> next;
         for (const Feature& feature : frontier) {
             for (const Feature& match : model.matches().matches(feature)) {
-                if (!model.registered(match.image) || model.point_of(match) != WorkingModel::kNoPoint) continue;
-                if (model.squared_error(match, model.points()[point].position) > max_squared_error) continue;
+                if (!model.registered(match.image) ||
+                    model.point_of(match) != WorkingModel::kNoPoint)
+                    continue;
+                if (model.squared_error(match, model.points()[point].position) > max_squared_error)
+                    continue;
                 if (model.add_observation(point, match)) next.push_back(match);
             }
         }
@@ -65,11 +71,14 @@ std::size_t complete_track(WorkingModel& model, std::uint32_t point, const Track
 }
 
 /// Position of two joined points by their numbers of observations, when all of these agree with it.
-std::optional<Eigen::Vector3d> joint_position(const WorkingModel& model, const WorkingModel::Point& a,
-                                              const WorkingModel::Point& b, double max_squared_error) {
+std::optional<Eigen::Vector3d> joint_position(const WorkingModel& model,
+                                              const WorkingModel::Point& a,
+                                              const WorkingModel::Point& b,
+                                              double max_squared_error) {
     const auto weight_a = static_cast<double>(a.track.size());
     const auto weight_b = static_cast<double>(b.track.size());
-    const Eigen::Vector3d position = (weight_a * a.position + weight_b * b.position) / (weight_a + weight_b);
+    const Eigen::Vector3d position =
+        (weight_a * a.position + weight_b * b.position) / (weight_a + weight_b);
     std::set<std::uint32_t> images;
     for (const WorkingModel::Point* point : {&a, &b}) {
         for (const Feature& feature : point->track) {
@@ -82,7 +91,8 @@ std::optional<Eigen::Vector3d> joint_position(const WorkingModel& model, const W
 
 }  // namespace
 
-std::size_t triangulate_image(WorkingModel& model, std::uint32_t image, const TrackOptions& options) {
+std::size_t triangulate_image(WorkingModel& model, std::uint32_t image,
+                              const TrackOptions& options) {
     const double max_squared_error = options.max_error_px * options.max_error_px;
     std::size_t added = 0;
     for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
@@ -100,7 +110,9 @@ std::size_t triangulate_image(WorkingModel& model, std::uint32_t image, const Tr
             if (!estimated) break;
             model.add_point(estimated->position, estimated->inliers);
             added += estimated->inliers.size();
-            std::erase_if(candidates, [&](const Feature& f) { return std::ranges::binary_search(estimated->inliers, f); });
+            std::erase_if(candidates, [&](const Feature& f) {
+                return std::ranges::binary_search(estimated->inliers, f);
+            });
         }
     }
     return added;
@@ -141,18 +153,22 @@ std::size_t merge_tracks(WorkingModel& model, const TrackOptions& options) {
     return merged;
 }
 
-std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>& images, const TrackOptions& options) {
+std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>& images,
+                          const TrackOptions& options) {
     const double max_squared_error = options.max_error_px * options.max_error_px;
     const double min_angle = options.min_angle_deg * kRadiansPerDegree;
     std::size_t removed = 0;
     for (std::uint32_t point = 0; point < model.points().size(); ++point) {
         const std::vector<Feature> track = model.points()[point].track;
         if (track.empty()) continue;
-        const auto concerned = [&](const Feature& f) { return std::ranges::binary_search(images, f.image); };
+        const auto concerned = [&](const Feature& f) {
+            return std::ranges::binary_search(images, f.image);
+        };
         if (!images.empty() && std::ranges::none_of(track, concerned)) continue;
         std::vector<Feature> bad;
         for (const Feature& feature : track) {
-            if (model.squared_error(feature, model.points()[point].position) > max_squared_error) bad.push_back(feature);
+            if (model.squared_error(feature, model.points()[point].position) > max_squared_error)
+                bad.push_back(feature);
         }
         if (track.size() - bad.size() < 2) {
             model.remove_point(point);
@@ -161,7 +177,8 @@ std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>&
         }
         for (const Feature& feature : bad) model.remove_observation(feature);
         removed += bad.size();
-        if (largest_angle(model, model.points()[point].track, model.points()[point].position) < min_angle) {
+        if (largest_angle(model, model.points()[point].track, model.points()[point].position) <
+            min_angle) {
             removed += model.points()[point].track.size();
             model.remove_point(point);
         }

@@ -12,18 +12,21 @@ namespace psfm {
 
 /// Continues points into an image and creates new ones from its matches.
 /// @return observations added
-std::size_t triangulate_image(WorkingModel& model, std::uint32_t image, const TrackOptions& options);
+std::size_t triangulate_image(WorkingModel& model, std::uint32_t image,
+                              const TrackOptions& options);
 
 /// Adds observations that matches lead to and that fit: registered images that were added after the
 /// point, or whose pose has become better since. @return observations added
 std::size_t complete_tracks(WorkingModel& model, const TrackOptions& options);
 
-/// Joins points that matches connect and that one position explains. @return observations of joined points
+/// Joins points that matches connect and that one position explains. @return observations of joined
+/// points
 std::size_t merge_tracks(WorkingModel& model, const TrackOptions& options);
 
 /// Removes observations with too large an error and points with too small an angle.
 /// @param images  points seen by one of these are examined; empty: all points
 /// @return observations removed
-std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>& images, const TrackOptions& options);
+std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>& images,
+                          const TrackOptions& options);
 
 }  // namespace psfm

@@ -36,12 +36,14 @@ std::vector<Feature> inliers_of(const WorkingModel& model, std::span<const Featu
     });
     std::vector<Feature> inliers;
     for (const Scored& s : scored) {
-        if (inliers.empty() || inliers.back().image != s.feature.image) inliers.push_back(s.feature);
+        if (inliers.empty() || inliers.back().image != s.feature.image)
+            inliers.push_back(s.feature);
     }
     return inliers;
 }
 
-std::optional<Eigen::Vector3d> triangulate_track(const WorkingModel& model, std::span<const Feature> track) {
+std::optional<Eigen::Vector3d> triangulate_track(const WorkingModel& model,
+                                                 std::span<const Feature> track) {
     std::vector<View> views;
     views.reserve(track.size());
     for (const Feature& feature : track) views.push_back(view_of(model, feature));
@@ -57,7 +59,8 @@ std::optional<Eigen::Vector3d> triangulate(std::span<const View> views) {
         p.leftCols<3>() = view.cam_from_world.rotation.toRotationMatrix();
         p.col(3) = view.cam_from_world.translation;
         const Eigen::Vector3d ray = view.normalized.homogeneous().normalized();
-        // Rows of the projection onto the plane across the ray: equal weight for every direction of view.
+        // Rows of the projection onto the plane across the ray: equal weight for every direction of
+        // view.
         const Eigen::Matrix<double, 3, 4> across = p - ray * (ray.transpose() * p);
         normal.noalias() += across.transpose() * across;
     }
@@ -80,25 +83,30 @@ double triangulation_angle(const Eigen::Vector3d& centre1, const Eigen::Vector3d
     return std::min(angle, std::numbers::pi - angle);
 }
 
-double largest_angle(const WorkingModel& model, std::span<const Feature> track, const Eigen::Vector3d& position) {
+double largest_angle(const WorkingModel& model, std::span<const Feature> track,
+                     const Eigen::Vector3d& position) {
     double largest = 0.0;
     for (std::size_t i = 0; i < track.size(); ++i) {
         const Eigen::Vector3d centre = model.centre(track[i].image);
         for (std::size_t j = 0; j < i; ++j) {
-            largest = std::max(largest, triangulation_angle(centre, model.centre(track[j].image), position));
+            largest = std::max(largest,
+                               triangulation_angle(centre, model.centre(track[j].image), position));
         }
     }
     return largest;
 }
 
 Result<void> validate(const TrackOptions& options) {
-    if (!(options.max_error_px > 0) || !(options.min_angle_deg >= 0) || options.completion_depth < 1) {
-        return Error{ErrorCode::kInvalidArgument, "tracks: error bound and depth must be positive, the angle not negative"};
+    if (!(options.max_error_px > 0) || !(options.min_angle_deg >= 0) ||
+        options.completion_depth < 1) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "tracks: error bound and depth must be positive, the angle not negative"};
     }
     return {};
 }
 
-std::optional<EstimatedPoint> estimate_point(const WorkingModel& model, std::span<const Feature> candidates,
+std::optional<EstimatedPoint> estimate_point(const WorkingModel& model,
+                                             std::span<const Feature> candidates,
                                              const TrackOptions& options) {
     const double max_squared_error = options.max_error_px * options.max_error_px;
     const double min_angle = options.min_angle_deg * kRadiansPerDegree;
@@ -117,7 +125,8 @@ std::optional<EstimatedPoint> estimate_point(const WorkingModel& model, std::spa
             const double angle = triangulation_angle(model.centre(candidates[i].image),
                                                      model.centre(candidates[j].image), *position);
             if (angle < min_angle) continue;
-            std::vector<Feature> inliers = inliers_of(model, candidates, *position, max_squared_error);
+            std::vector<Feature> inliers =
+                inliers_of(model, candidates, *position, max_squared_error);
             if (inliers.size() < 2) continue;
             if (inliers.size() > best.inliers.size() ||
                 (inliers.size() == best.inliers.size() && angle > best_angle)) {
@@ -130,7 +139,8 @@ std::optional<EstimatedPoint> estimate_point(const WorkingModel& model, std::spa
     if (best.inliers.size() < 2) return std::nullopt;
     if (best.inliers.size() > 2) {
         if (const auto refined = triangulate_track(model, best.inliers)) {
-            std::vector<Feature> inliers = inliers_of(model, best.inliers, *refined, max_squared_error);
+            std::vector<Feature> inliers =
+                inliers_of(model, best.inliers, *refined, max_squared_error);
             if (inliers.size() == best.inliers.size()) best.position = *refined;
         }
     }

@@ -9,7 +9,8 @@ namespace psfm {
 VisibilityPyramid::VisibilityPyramid(std::uint32_t width_px, std::uint32_t height_px)
     : width_(width_px), height_(height_px) {
     for (int level = 0; level < kLevels; ++level) {
-        counts_[static_cast<std::size_t>(level)].assign(std::size_t{1} << (2U * static_cast<unsigned>(level + 1)), 0);
+        counts_[static_cast<std::size_t>(level)].assign(
+            std::size_t{1} << (2U * static_cast<unsigned>(level + 1)), 0);
     }
 }
 

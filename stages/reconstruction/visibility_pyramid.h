@@ -9,9 +9,9 @@
 
 namespace psfm {
 
-/// Counts points over an image and how evenly they lie: grids of 2x2 to 32x32 cells, where an occupied
-/// cell of a grid with 2^l cells a side scores 4^l. The idea of a multi-resolution score is COLMAP's
-/// (Schönberger and Frahm, CVPR 2016, sec. 4.2).
+/// Counts points over an image and how evenly they lie: grids of 2x2 to 32x32 cells, where an
+/// occupied cell of a grid with 2^l cells a side scores 4^l. The idea of a multi-resolution score
+/// is COLMAP's (Schönberger and Frahm, CVPR 2016, sec. 4.2).
 class VisibilityPyramid {
   public:
     VisibilityPyramid() = default;

@@ -9,7 +9,10 @@
 namespace psfm {
 
 WorkingModel::WorkingModel(const ClusterProblem& problem, const CorrespondenceGraph& matches)
-    : problem_(&problem), matches_(&matches), cameras_(problem.cameras), poses_(problem.images.size()) {
+    : problem_(&problem),
+      matches_(&matches),
+      cameras_(problem.cameras),
+      poses_(problem.images.size()) {
     point_of_.reserve(problem.images.size());
     for (const ClusterImage& image : problem.images) {
         point_of_.emplace_back(image.keypoints->size(), kNoPoint);
@@ -82,14 +85,16 @@ void WorkingModel::remove_image(std::uint32_t image) {
 void WorkingModel::link(const Feature& feature, std::uint32_t point) {
     point_of_[feature.image][feature.feature] = point;
     for (const Feature& match : matches_->matches(feature)) {
-        if (visible_links_[match.image][match.feature]++ == 0) pyramids_[match.image].add(pixel(match));
+        if (visible_links_[match.image][match.feature]++ == 0)
+            pyramids_[match.image].add(pixel(match));
     }
 }
 
 void WorkingModel::unlink(const Feature& feature) {
     point_of_[feature.image][feature.feature] = kNoPoint;
     for (const Feature& match : matches_->matches(feature)) {
-        if (--visible_links_[match.image][match.feature] == 0) pyramids_[match.image].remove(pixel(match));
+        if (--visible_links_[match.image][match.feature] == 0)
+            pyramids_[match.image].remove(pixel(match));
     }
 }
 
@@ -141,7 +146,8 @@ double WorkingModel::squared_error(const Feature& feature, const Eigen::Vector3d
 }
 
 Eigen::Vector3d WorkingModel::ray_in_cluster(const Feature& feature) const {
-    return pose(feature.image).rotation.conjugate() * normalized(feature).homogeneous().normalized();
+    return pose(feature.image).rotation.conjugate() *
+           normalized(feature).homogeneous().normalized();
 }
 
 }  // namespace psfm

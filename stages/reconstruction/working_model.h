@@ -18,12 +18,13 @@
 
 namespace psfm {
 
-/// A reconstruction while it is being solved: poses, points and the links between them, kept consistent
-/// by the functions below. Images are addressed by local index, points by their position in points().
+/// A reconstruction while it is being solved: poses, points and the links between them, kept
+/// consistent by the functions below. Images are addressed by local index, points by their position
+/// in points().
 ///
-/// Invariants: a feature observes at most one point; a point observes registered images only, each at
-/// most once, and at least two of them (removing more removes the point); visible_score(i) follows every change.
-/// Not thread-safe; owned by one solve.
+/// Invariants: a feature observes at most one point; a point observes registered images only, each
+/// at most once, and at least two of them (removing more removes the point); visible_score(i)
+/// follows every change. Not thread-safe; owned by one solve.
 class WorkingModel {
   public:
     using Feature = CorrespondenceGraph::Feature;
@@ -37,7 +38,8 @@ class WorkingModel {
 
     WorkingModel(const ClusterProblem& problem, const CorrespondenceGraph& matches);
 
-    /// Takes over poses, intrinsics and points of an earlier model. REQUIRES: nothing registered yet.
+    /// Takes over poses, intrinsics and points of an earlier model. REQUIRES: nothing registered
+    /// yet.
     void load(const Reconstruction& model);
     /// The result, with removed points left out.
     Reconstruction save() const;
@@ -63,9 +65,14 @@ class WorkingModel {
 
     const std::vector<Point>& points() const { return points_; }
     std::size_t alive_points() const { return alive_points_; }
-    std::uint32_t point_of(const Feature& feature) const { return point_of_[feature.image][feature.feature]; }
-    void set_position(std::uint32_t point, const Eigen::Vector3d& position) { points_[point].position = position; }
-    /// REQUIRES: at least two features of different registered images, none of which observes a point.
+    std::uint32_t point_of(const Feature& feature) const {
+        return point_of_[feature.image][feature.feature];
+    }
+    void set_position(std::uint32_t point, const Eigen::Vector3d& position) {
+        points_[point].position = position;
+    }
+    /// REQUIRES: at least two features of different registered images, none of which observes a
+    /// point.
     std::uint32_t add_point(const Eigen::Vector3d& position, std::vector<Feature> track);
     /// @return false, and nothing changed, when the point has an observation in that image already
     bool add_observation(std::uint32_t point, const Feature& feature);
@@ -77,11 +84,14 @@ class WorkingModel {
     /// Higher for more such features, and for a better spread over the image.
     std::uint64_t visible_score(std::uint32_t image) const { return pyramids_[image].score(); }
 
-    /// Squared reprojection error [px^2] of a position seen from a registered image; infinity behind it.
+    /// Squared reprojection error [px^2] of a position seen from a registered image; infinity
+    /// behind it.
     double squared_error(const Feature& feature, const Eigen::Vector3d& position) const;
     /// Unit viewing ray of a feature, in the frame of the cluster. REQUIRES: registered
     Eigen::Vector3d ray_in_cluster(const Feature& feature) const;
-    Eigen::Vector3d centre(std::uint32_t image) const { return poses_[image]->target_origin_in_source(); }
+    Eigen::Vector3d centre(std::uint32_t image) const {
+        return poses_[image]->target_origin_in_source();
+    }
     /// Normalised (undistorted) coordinates of a feature with the camera's present intrinsics.
     Eigen::Vector2d normalized(const Feature& feature) const {
         return normalized_from_pixel(camera(feature.image), pixel(feature));

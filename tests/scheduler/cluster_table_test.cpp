@@ -9,8 +9,12 @@ namespace {
 
 constexpr std::uint32_t kMuMin = 3;
 
-ImageId image(std::uint32_t i) { return static_cast<ImageId>(i); }
-ClusterId cluster(std::uint32_t i) { return static_cast<ClusterId>(i); }
+ImageId image(std::uint32_t i) {
+    return static_cast<ImageId>(i);
+}
+ClusterId cluster(std::uint32_t i) {
+    return static_cast<ClusterId>(i);
+}
 
 std::vector<ImageId> images(std::initializer_list<std::uint32_t> ids) {
     std::vector<ImageId> out;
@@ -106,7 +110,8 @@ TEST(ClusterTable, JoinedModelsAreSolvedAnew) {
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
     EXPECT_EQ(dirty.front()->material, nullptr);
-    EXPECT_NE(dirty.front()->model, nullptr) << "what was published stays until the new model is there";
+    EXPECT_NE(dirty.front()->model, nullptr)
+        << "what was published stays until the new model is there";
     EXPECT_EQ(table.entries().size(), 1U);
     EXPECT_EQ(table.of(image(4)).id, cluster(0));
 }

@@ -15,7 +15,8 @@ TEST(EncodeState, SolveStateSurvives) {
 }
 
 TEST(EncodeState, ForeignSolveStateIsTheDefault) {
-    for (const char* text : {"", "{", "[]", "{\"images_at_full_adjustment\":-3,\"settled\":\"yes\"}"}) {
+    for (const char* text :
+         {"", "{", "[]", "{\"images_at_full_adjustment\":-3,\"settled\":\"yes\"}"}) {
         EXPECT_EQ(decode_solve_state(text).state, SolveState{}) << text;
     }
 }
@@ -26,7 +27,8 @@ TEST(EncodeState, SummarySurvives) {
     summary.counts.placed = 8;
     summary.counts.version = 12;
     summary.counts.solves_extend = 5;
-    summary.waiting = {{static_cast<ImageId>(3), WaitReason::kTooFewMatches}, {static_cast<ImageId>(9), WaitReason::kNoSeed}};
+    summary.waiting = {{static_cast<ImageId>(3), WaitReason::kTooFewMatches},
+                       {static_cast<ImageId>(9), WaitReason::kNoSeed}};
     const auto back = decode_summary(encode_summary(summary));
     ASSERT_TRUE(back.ok());
     EXPECT_EQ(back->counts.placed, 8U);
@@ -37,7 +39,8 @@ TEST(EncodeState, SummarySurvives) {
 
 TEST(EncodeState, DamagedSummaryIsReported) {
     EXPECT_TRUE(decode_summary("").ok()) << "an empty session has none";
-    for (const char* text : {"{", "[]", "{\"waiting_images\":[[1]]}", "{\"waiting_images\":3}", "{\"placed\":\"x\",\"waiting_images\":[]}"}) {
+    for (const char* text : {"{", "[]", "{\"waiting_images\":[[1]]}", "{\"waiting_images\":3}",
+                             "{\"placed\":\"x\",\"waiting_images\":[]}"}) {
         ASSERT_FALSE(decode_summary(text).ok()) << text;
         EXPECT_EQ(decode_summary(text).error().code, ErrorCode::kDamaged);
     }

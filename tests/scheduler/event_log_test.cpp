@@ -54,7 +54,8 @@ TEST(LogLine, NamesThatAreNoUtf8DoNotThrow) {
 }
 
 TEST(EventLog, AppendsLinesAndRefusesFolders) {
-    const auto file = std::filesystem::temp_directory_path() / ("psfm_log_" + std::to_string(getpid()));
+    const auto file =
+        std::filesystem::temp_directory_path() / ("psfm_log_" + std::to_string(getpid()));
     PublishMessage publish;
     publish.images.resize(2);
     publish.events.resize(1);

@@ -62,14 +62,17 @@ class RunSessionTest : public testing::Test {
         Recorder recorder;
     };
 
-    static void run(const fs::path& session, const SessionConfig& config, std::vector<PhotoFile> files, Outcome& outcome, int threads = 2) {
-        const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads) + 1);
+    static void run(const fs::path& session, const SessionConfig& config,
+                    std::vector<PhotoFile> files, Outcome& outcome, int threads = 2) {
+        const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads) + 1);
         auto store = SessionStore::open(session, {});
         ASSERT_TRUE(store.ok()) << store.error().message;
         PhotoList list(std::move(files));
         ExecutionOptions execution;
         execution.threads = threads;
-        outcome.run = run_session(**store, config, execution, list, outcome.recorder, outcome.recorder.stop);
+        outcome.run =
+            run_session(**store, config, execution, list, outcome.recorder, outcome.recorder.stop);
         ASSERT_TRUE(outcome.run.ok()) << outcome.run.error().message;
     }
 
@@ -86,14 +89,18 @@ class RunSessionTest : public testing::Test {
         ASSERT_EQ(a.clusters.size(), b.clusters.size());
         for (std::size_t c = 0; c < a.clusters.size(); ++c) {
             EXPECT_EQ(a.clusters[c]->members, b.clusters[c]->members);
-            EXPECT_EQ(a.clusters[c]->world_from_cluster.translation, b.clusters[c]->world_from_cluster.translation);
-            EXPECT_EQ(a.clusters[c]->world_from_cluster.scale, b.clusters[c]->world_from_cluster.scale);
+            EXPECT_EQ(a.clusters[c]->world_from_cluster.translation,
+                      b.clusters[c]->world_from_cluster.translation);
+            EXPECT_EQ(a.clusters[c]->world_from_cluster.scale,
+                      b.clusters[c]->world_from_cluster.scale);
             const Reconstruction& model_a = *a.clusters[c]->model;
             const Reconstruction& model_b = *b.clusters[c]->model;
             ASSERT_EQ(model_a.images.size(), model_b.images.size());
             for (std::size_t i = 0; i < model_a.images.size(); ++i) {
-                EXPECT_EQ(model_a.images[i].cam_from_cluster.translation, model_b.images[i].cam_from_cluster.translation);
-                EXPECT_EQ(model_a.images[i].cam_from_cluster.rotation.coeffs(), model_b.images[i].cam_from_cluster.rotation.coeffs());
+                EXPECT_EQ(model_a.images[i].cam_from_cluster.translation,
+                          model_b.images[i].cam_from_cluster.translation);
+                EXPECT_EQ(model_a.images[i].cam_from_cluster.rotation.coeffs(),
+                          model_b.images[i].cam_from_cluster.rotation.coeffs());
             }
             ASSERT_EQ(model_a.points.size(), model_b.points.size());
             for (std::size_t i = 0; i < model_a.points.size(); ++i) {
@@ -210,11 +217,13 @@ TEST_F(RunSessionTest, BadPhotographsAreRejectedAndTheOthersGoOn) {
         EXPECT_FALSE(event.text.empty());
     }
     // Names are taken in bytewise order, so it is the later twin that is turned down.
-    EXPECT_EQ(rejected, (std::set<std::string>{"empty.jpg", "photo_0000.jpg", "text.jpg", "truncated.jpg"}));
+    EXPECT_EQ(rejected,
+              (std::set<std::string>{"empty.jpg", "photo_0000.jpg", "text.jpg", "truncated.jpg"}));
     Outcome again;
     run(session, SessionConfig{}, list_photos(mixed)->photos, again);
     for (const SessionEvent& event : again.recorder.events) {
-        ADD_FAILURE() << "what was rejected and has not changed is not looked at again: " << event.text;
+        ADD_FAILURE() << "what was rejected and has not changed is not looked at again: "
+                      << event.text;
     }
 }
 
@@ -232,7 +241,8 @@ TEST_F(RunSessionTest, GivenCamerasAreUsedAndCheckedForSize) {
     EXPECT_EQ(outcome.run->counts.rejected, 1U);
     const Scene scene = scene_of(session);
     ASSERT_FALSE(scene.clusters.empty());
-    EXPECT_EQ(scene.clusters.front()->model->cameras.begin()->second.fx(), 375.0) << "fixed intrinsics stay";
+    EXPECT_EQ(scene.clusters.front()->model->cameras.begin()->second.fx(), 375.0)
+        << "fixed intrinsics stay";
 }
 
 }  // namespace

@@ -28,23 +28,29 @@ int check(const std::string& session) {
     if (!report.ok()) return report_error(report.error());
     for (const auto& [kind, count] : report->records) std::cout << kind << ": " << count << '\n';
     for (const DamagedRecord& damaged : report->damaged) {
-        std::cout << "DAMAGED " << damaged.kind << ' ' << damaged.key << ": " << damaged.problem << '\n';
+        std::cout << "DAMAGED " << damaged.kind << ' ' << damaged.key << ": " << damaged.problem
+                  << '\n';
     }
     if (report->damaged.empty()) {
         std::cout << "every record is intact\n";
         return 0;
     }
-    std::cerr << "psfm: " << report->damaged.size() << " records of " << session << " are damaged; restore the folder from a copy, or run its photographs into a new session\n";
+    std::cerr << "psfm: " << report->damaged.size() << " records of " << session
+              << " are damaged; restore the folder from a copy, or run its photographs into a new "
+                 "session\n";
     return kStoreDamaged;
 }
 
 }  // namespace
 
 void add_check_command(CLI::App& app, int& exit_code) {
-    CLI::App* command = app.add_subcommand("check", "Verify every record of a session; works beside a running one");
+    CLI::App* command =
+        app.add_subcommand("check", "Verify every record of a session; works beside a running one");
     auto session = std::make_shared<std::string>();
     command->add_option("--session", *session, "Session folder")->required();
-    command->footer("Exit code 0 when every record is intact, 4 when one is damaged.\nExample: psfm check --session castle");
+    command->footer(
+        "Exit code 0 when every record is intact, 4 when one is damaged.\nExample: psfm check "
+        "--session castle");
     command->callback([session, &exit_code] { exit_code = check(*session); });
 }
 

@@ -11,8 +11,9 @@
 
 namespace psfm {
 
-/// Intrinsics by photograph name from a COLMAP model (`--cameras DIR`); its poses are not used. Photographs
-/// of one COLMAP camera share it; so do those of cameras with equal size, model and parameters.
+/// Intrinsics by photograph name from a COLMAP model (`--cameras DIR`); its poses are not used.
+/// Photographs of one COLMAP camera share it; so do those of cameras with equal size, model and
+/// parameters.
 /// @errors those of read_colmap_model; kInvalidArgument (intrinsics out of range)
 Result<std::map<std::string, GivenCamera>> read_given_cameras(const std::filesystem::path& folder);
 

@@ -21,7 +21,8 @@ Result<std::vector<std::string>> read_order_file(const std::filesystem::path& fi
     constexpr std::size_t kLongestName = 4096;
     std::ifstream stream(file, std::ios::binary);
     if (!stream || std::filesystem::is_directory(file)) {
-        return Error{ErrorCode::kNotFound, "cannot read the order file " + file.string() + "; it holds one image name a line"};
+        return Error{ErrorCode::kNotFound, "cannot read the order file " + file.string() +
+                                               "; it holds one image name a line"};
     }
     std::vector<std::string> names;
     std::set<std::string> seen;
@@ -30,13 +31,17 @@ Result<std::vector<std::string>> read_order_file(const std::filesystem::path& fi
         if (!line.empty() && line.back() == '\r') line.pop_back();
         if (line.empty()) continue;
         const std::string where = file.string() + " line " + std::to_string(number);
-        if (line.size() > kLongestName) return Error{ErrorCode::kInvalidArgument, where + " is too long for a name"};
+        if (line.size() > kLongestName)
+            return Error{ErrorCode::kInvalidArgument, where + " is too long for a name"};
         if (!seen.insert(line).second) {
-            return Error{ErrorCode::kInvalidArgument, where + ": " + line + " is named a second time; remove one of the lines"};
+            return Error{ErrorCode::kInvalidArgument,
+                         where + ": " + line + " is named a second time; remove one of the lines"};
         }
         names.push_back(line);
     }
-    if (names.empty()) return Error{ErrorCode::kInvalidArgument, "the order file " + file.string() + " names no image"};
+    if (names.empty())
+        return Error{ErrorCode::kInvalidArgument,
+                     "the order file " + file.string() + " names no image"};
     return names;
 }
 

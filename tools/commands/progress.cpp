@@ -14,7 +14,8 @@ std::string format_duration(double seconds) {
     const auto total = static_cast<long>(std::lround(std::max(seconds, 0.0)));
     char text[32];
     if (total >= 3600) {
-        std::snprintf(text, sizeof(text), "%ld:%02ld:%02ld", total / 3600, total / 60 % 60, total % 60);
+        std::snprintf(text, sizeof(text), "%ld:%02ld:%02ld", total / 3600, total / 60 % 60,
+                      total % 60);
     } else {
         std::snprintf(text, sizeof(text), "%ld:%02ld", total / 60, total % 60);
     }
@@ -35,15 +36,20 @@ void Progress::on_publish(const PublishMessage& publish) {
         switch (event.kind) {
             case SessionEvent::Kind::kRejected:
                 ++done_;
-                say("rejected " + (event.images.empty() ? std::string() : event.images.front() + ": ") + event.text);
+                say("rejected " +
+                    (event.images.empty() ? std::string() : event.images.front() + ": ") +
+                    event.text);
                 break;
-            case SessionEvent::Kind::kReset: say("reset: " + event.text); break;
+            case SessionEvent::Kind::kReset:
+                say("reset: " + event.text);
+                break;
             case SessionEvent::Kind::kJoin:
             case SessionEvent::Kind::kSplit:
             case SessionEvent::Kind::kTransfer:
                 if (terminal_) say(event.text);
                 break;
-            case SessionEvent::Kind::kSolve: break;
+            case SessionEvent::Kind::kSolve:
+                break;
         }
     }
     if (terminal_) show(publish.counts);
@@ -55,15 +61,18 @@ void Progress::say(const std::string& line) {
 }
 
 void Progress::show(const SessionCounts& counts) {
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     const double rate = seconds > 0.0 ? static_cast<double>(done_) / seconds : 0.0;
     std::string line = std::to_string(done_);
     if (expected_ > 0) line.append("/").append(std::to_string(expected_));
     char text[160];
-    std::snprintf(text, sizeof(text), " images, %u placed, %u waiting, %u clusters in %u parts, %.2f images/s", counts.placed,
-                  counts.waiting, counts.clusters, counts.effective_clusters, rate);
+    std::snprintf(text, sizeof(text),
+                  " images, %u placed, %u waiting, %u clusters in %u parts, %.2f images/s",
+                  counts.placed, counts.waiting, counts.clusters, counts.effective_clusters, rate);
     line += text;
-    if (expected_ > done_ && rate > 0.0) line += ", " + format_duration(static_cast<double>(expected_ - done_) / rate) + " left";
+    if (expected_ > done_ && rate > 0.0)
+        line += ", " + format_duration(static_cast<double>(expected_ - done_) / rate) + " left";
     std::cerr << "\r\x1b[K" << line << std::flush;
     line_open_ = true;
 }

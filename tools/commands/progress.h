@@ -11,8 +11,9 @@
 
 namespace psfm {
 
-/// Shows a running session on stderr: one line that is rewritten with counts, rate and time left when stderr is a
-/// terminal; rejected photographs and changes of the model on lines of their own in any case. Writes the log, too.
+/// Shows a running session on stderr: one line that is rewritten with counts, rate and time left
+/// when stderr is a terminal; rejected photographs and changes of the model on lines of their own
+/// in any case. Writes the log, too.
 class Progress final : public SessionObserver {
   public:
     /// @param expected  photographs that this run will look at; 0: unknown (a watched folder)

@@ -37,13 +37,17 @@ int resume(const ResumeArguments& arguments) {
 }  // namespace
 
 void add_resume_command(CLI::App& app, int& exit_code) {
-    CLI::App* command = app.add_subcommand("resume", "Go on with a session that was stopped, killed or lost its power");
+    CLI::App* command = app.add_subcommand(
+        "resume", "Go on with a session that was stopped, killed or lost its power");
     auto arguments = std::make_shared<ResumeArguments>();
     command->add_option("--session", arguments->session, "Session folder")->required();
-    command->add_option("--threads", arguments->threads, "Threads to use; 0: one a core")->check(CLI::Range(0, 1024));
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: one a core")
+        ->check(CLI::Range(0, 1024));
     command->add_option("--log", arguments->log, "Append a log of JSON lines to this file");
-    command->footer("The session remembers its photograph folder, order and options. What was acknowledged is not\n"
-                    "computed again; what was in flight is.\nExample: psfm resume --session castle");
+    command->footer(
+        "The session remembers its photograph folder, order and options. What was acknowledged is "
+        "not\n"
+        "computed again; what was in flight is.\nExample: psfm resume --session castle");
     command->callback([arguments, &exit_code] { exit_code = resume(*arguments); });
 }
 

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/session_runner.h"
 
-#include <csignal>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <iostream>
 #include <map>
 #include <set>
@@ -20,12 +20,14 @@
 namespace psfm {
 namespace {
 
-std::atomic<bool> stop_requested{false};  // NOLINT: what a signal handler may touch has to be global
+std::atomic<bool> stop_requested{
+    false};  // NOLINT: what a signal handler may touch has to be global
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void on_interrupt(int signal) {
     if (stop_requested.exchange(true)) {
-        // A second Ctrl-C: every commit is atomic, so leaving at once loses nothing that was acknowledged.
+        // A second Ctrl-C: every commit is atomic, so leaving at once loses nothing that was
+        // acknowledged.
         _exit(128 + signal);
     }
 }
@@ -51,8 +53,10 @@ Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
     for (const std::string& name : request.config.order) {
         const auto found = by_name.find(name);
         if (found == by_name.end()) {
-            return Error{ErrorCode::kNotFound, "the order names " + name + ", which is not in " + request.photos.string() +
-                                                   "; correct the order file, or copy the photograph there"};
+            return Error{ErrorCode::kNotFound,
+                         "the order names " + name + ", which is not in " +
+                             request.photos.string() +
+                             "; correct the order file, or copy the photograph there"};
         }
         ordered.push_back(found->second);
     }
@@ -61,19 +65,22 @@ Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
 
 void print_summary(const SessionRun& run, const RunRequest& request) {
     const SessionCounts& counts = run.counts;
-    std::cout << counts.placed << " of " << counts.images << " images placed, in " << counts.clusters << " clusters that make "
-              << counts.effective_clusters << " connected parts";
+    std::cout << counts.placed << " of " << counts.images << " images placed, in "
+              << counts.clusters << " clusters that make " << counts.effective_clusters
+              << " connected parts";
     if (counts.rejected > 0) std::cout << "; " << counts.rejected << " photographs rejected";
     std::cout << '\n';
     std::map<WaitReason, std::vector<std::string>> by_reason;
     for (const auto& [name, reason] : run.waiting) by_reason[reason].push_back(name);
     for (const auto& [reason, names] : by_reason) {
         std::cout << names.size() << " waiting (" << describe(reason) << "):";
-        for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 5); ++i) std::cout << ' ' << names[i];
+        for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 5); ++i)
+            std::cout << ' ' << names[i];
         std::cout << (names.size() > 5 ? " …\n" : "\n");
     }
     if (counts.placed > 0) {
-        std::cout << "Take the model out with: psfm export --session " << request.session.string() << " --format colmap --output MODEL\n";
+        std::cout << "Take the model out with: psfm export --session " << request.session.string()
+                  << " --format colmap --output MODEL\n";
     }
 }
 
@@ -91,8 +98,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
         if (!images.ok()) return report_error(images.error());
         std::set<std::string> known;
         for (const Image& image : *images) known.insert(image.name);
-        expected = static_cast<std::size_t>(
-            std::ranges::count_if(*photos, [&](const PhotoFile& photo) { return !known.contains(photo.name); }));
+        expected = static_cast<std::size_t>(std::ranges::count_if(
+            *photos, [&](const PhotoFile& photo) { return !known.contains(photo.name); }));
         source = std::make_unique<PhotoList>(*std::move(photos));
     }
     std::unique_ptr<EventLog> log;
@@ -107,21 +114,26 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     bool log_failed = false;
     {
         Progress progress(expected, std::move(log));
-        run = run_session(store, request.config, request.execution, *source, progress, stop_requested);
+        run = run_session(store, request.config, request.execution, *source, progress,
+                          stop_requested);
         log_failed = progress.log_failed();
     }
     if (!run.ok()) return report_error(run.error());
     print_summary(*run, request);
     if (run->interrupted) {
-        std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: psfm resume --session "
+        std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
+                     "psfm resume --session "
                   << request.session.string() << '\n';
         return request.watch ? 0 : 1;
     }
     if (log_failed) {
-        return report_error({ErrorCode::kIo, "the log " + request.log_file + " could not be written to its end; is the disk full?"});
+        return report_error(
+            {ErrorCode::kIo, "the log " + request.log_file +
+                                 " could not be written to its end; is the disk full?"});
     }
     if (run->counts.images == 0) {
-        return report_error({ErrorCode::kUnreadable, "no photograph of " + request.photos.string() + " could be used; the reasons stand above"},
+        return report_error({ErrorCode::kUnreadable, "no photograph of " + request.photos.string() +
+                                                         " could be used; the reasons stand above"},
                             ErrorOrigin::kOtherInput);
     }
     return 0;

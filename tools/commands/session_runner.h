@@ -22,7 +22,8 @@ struct RunRequest {
     bool watch = false;
 };
 
-/// Runs a session in an open store, from listing the photographs to the summary on stdout; Ctrl-C stops it in order.
+/// Runs a session in an open store, from listing the photographs to the summary on stdout; Ctrl-C
+/// stops it in order.
 /// @return the program's exit code; failures have been reported
 int run_and_report(SessionStore& store, const RunRequest& request);
 

@@ -65,28 +65,35 @@ void print_json(const Status& status) {
 void print_text(const Status& status) {
     const SessionCounts& counts = status.summary.counts;
     std::cout << "version " << counts.version << '\n'
-              << counts.images << " images: " << counts.placed << " placed, " << counts.waiting << " waiting; " << counts.rejected
-              << " photographs rejected\n"
-              << counts.clusters << " clusters in " << counts.effective_clusters << " connected parts, " << counts.resets << " resets\n"
-              << "solves: " << counts.solves_new << " new, " << counts.solves_extend << " extended, " << counts.solves_settle
-              << " settled, " << counts.solves_coalesced << " coalesced, " << counts.solves_skipped << " skipped\n";
+              << counts.images << " images: " << counts.placed << " placed, " << counts.waiting
+              << " waiting; " << counts.rejected << " photographs rejected\n"
+              << counts.clusters << " clusters in " << counts.effective_clusters
+              << " connected parts, " << counts.resets << " resets\n"
+              << "solves: " << counts.solves_new << " new, " << counts.solves_extend
+              << " extended, " << counts.solves_settle << " settled, " << counts.solves_coalesced
+              << " coalesced, " << counts.solves_skipped << " skipped\n";
     for (const auto& [image, reason] : status.summary.waiting) {
         if (index_of(image) < status.images.size()) {
-            std::cout << "waiting   " << status.images[index_of(image)].name << ": " << describe(reason) << '\n';
+            std::cout << "waiting   " << status.images[index_of(image)].name << ": "
+                      << describe(reason) << '\n';
         }
     }
-    for (const RejectedPhoto& photo : status.rejected) std::cout << "rejected  " << photo.name << ": " << photo.reason << '\n';
+    for (const RejectedPhoto& photo : status.rejected)
+        std::cout << "rejected  " << photo.name << ": " << photo.reason << '\n';
 }
 
 }  // namespace
 
 void add_status_command(CLI::App& app, int& exit_code) {
-    CLI::App* command = app.add_subcommand("status", "What a session holds; works beside a running one");
+    CLI::App* command =
+        app.add_subcommand("status", "What a session holds; works beside a running one");
     auto session = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
     command->add_option("--session", *session, "Session folder")->required();
     command->add_flag("--json", *json, "One JSON object, for programs");
-    command->footer("Every image is placed (in a model), waiting (with the reason) or rejected.\nExample: psfm status --session castle");
+    command->footer(
+        "Every image is placed (in a model), waiting (with the reason) or rejected.\nExample: psfm "
+        "status --session castle");
     command->callback([session, json, &exit_code] {
         const auto status = read_status(*session);
         if (!status.ok()) {

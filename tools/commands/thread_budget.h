@@ -6,7 +6,8 @@
 
 namespace psfm {
 
-/// The one thread budget of the program: holds TBB to it, and keeps OpenCV and BLAS from threads of their own.
+/// The one thread budget of the program: holds TBB to it, and keeps OpenCV and BLAS from threads of
+/// their own.
 class ThreadBudget {
   public:
     /// @param threads  0: as many as there are cores

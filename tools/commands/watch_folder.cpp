@@ -19,7 +19,8 @@ PhotoSource::Next WatchFolder::next(PhotoFile& photo) {
 
 void WatchFolder::look() {
     const auto listing = list_photos(folder_);
-    if (!listing.ok()) return;  // still empty, or gone for the moment: a watched folder may come back
+    if (!listing.ok())
+        return;  // still empty, or gone for the moment: a watched folder may come back
     for (const PhotoFile& photo : listing->photos) {
         if (handed_on_.contains(photo.name)) continue;
         std::error_code error;

@@ -14,8 +14,9 @@
 
 namespace psfm {
 
-/// A folder that photographs are still being copied into (`--watch`): looked at once a second; a file is handed on
-/// when its size has stayed the same between two looks, so that half-copied files are not read. Never ends.
+/// A folder that photographs are still being copied into (`--watch`): looked at once a second; a
+/// file is handed on when its size has stayed the same between two looks, so that half-copied files
+/// are not read. Never ends.
 class WatchFolder final : public PhotoSource {
   public:
     explicit WatchFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}

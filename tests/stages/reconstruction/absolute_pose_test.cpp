@@ -14,7 +14,9 @@ struct Correspondences {
     std::vector<Eigen::Vector3d> points;
 };
 
-const Rigid3 kPose{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.3, 1, -0.2).normalized())), {0.2, -0.1, 6.0}};
+const Rigid3 kPose{
+    Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.3, 1, -0.2).normalized())),
+    {0.2, -0.1, 6.0}};
 
 Camera true_camera() {
     Camera camera = make_camera(1000, 750, 900.0, FocalSource::kGiven);
@@ -22,7 +24,8 @@ Camera true_camera() {
     return camera;
 }
 
-Correspondences make_correspondences(int count, double noise_px, double outliers, std::uint64_t seed) {
+Correspondences make_correspondences(int count, double noise_px, double outliers,
+                                     std::uint64_t seed) {
     synthetic::Rng rng(seed);
     Correspondences out;
     while (static_cast<int>(out.points.size()) < count) {
@@ -31,8 +34,10 @@ Correspondences make_correspondences(int count, double noise_px, double outliers
         if (!pixel) continue;
         const bool wrong = rng.uniform(0, 1) < outliers;
         out.points.push_back(point);
-        out.pixels.emplace_back(wrong ? Eigen::Vector2d(rng.uniform(0, 1000), rng.uniform(0, 750))
-                                      : Eigen::Vector2d(*pixel + noise_px * Eigen::Vector2d(rng.normal(), rng.normal())));
+        out.pixels.emplace_back(
+            wrong
+                ? Eigen::Vector2d(rng.uniform(0, 1000), rng.uniform(0, 750))
+                : Eigen::Vector2d(*pixel + noise_px * Eigen::Vector2d(rng.normal(), rng.normal())));
     }
     return out;
 }
@@ -66,11 +71,13 @@ TEST(AbsolutePose, IsTheSameEveryTime) {
 
 TEST(AbsolutePose, RefusesTooFewAndRandomPoints) {
     const Correspondences few = make_correspondences(6, 0.0, 0.0, 1);
-    const auto too_few = estimate_absolute_pose(few.pixels, few.points, true_camera(), false, {}, 1);
+    const auto too_few =
+        estimate_absolute_pose(few.pixels, few.points, true_camera(), false, {}, 1);
     ASSERT_FALSE(too_few.ok());
     EXPECT_EQ(too_few.error().code, ErrorCode::kTooFewMatches);
     const Correspondences random = make_correspondences(100, 0.0, 1.0, 2);
-    EXPECT_FALSE(estimate_absolute_pose(random.pixels, random.points, true_camera(), false, {}, 1).ok());
+    EXPECT_FALSE(
+        estimate_absolute_pose(random.pixels, random.points, true_camera(), false, {}, 1).ok());
 }
 
 }  // namespace

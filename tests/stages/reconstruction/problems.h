@@ -10,22 +10,29 @@
 
 namespace psfm {
 
-/// All images of a scene as one cluster. REQUIRES: the scene outlives nothing of the problem (features are copied).
-inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene, std::vector<VerifiedPairPtr> pairs,
-                                 const std::map<CameraId, Camera>& cameras, std::size_t image_count) {
+/// All images of a scene as one cluster. REQUIRES: the scene outlives nothing of the problem
+/// (features are copied).
+inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene,
+                                 std::vector<VerifiedPairPtr> pairs,
+                                 const std::map<CameraId, Camera>& cameras,
+                                 std::size_t image_count) {
     ClusterProblem problem;
     problem.topology = 1;
     problem.cameras = cameras;
     for (std::size_t i = 0; i < image_count; ++i) {
         const synthetic::SceneImage& image = scene.images[i];
-        problem.images.push_back({static_cast<ImageId>(i), image.camera, 1000 + i, std::make_shared<const Keypoints>(image.keypoints)});
+        problem.images.push_back({static_cast<ImageId>(i), image.camera, 1000 + i,
+                                  std::make_shared<const Keypoints>(image.keypoints)});
     }
-    std::erase_if(pairs, [&](const VerifiedPairPtr& pair) { return index_of(pair->pair.second) >= image_count; });
+    std::erase_if(pairs, [&](const VerifiedPairPtr& pair) {
+        return index_of(pair->pair.second) >= image_count;
+    });
     problem.pairs = std::move(pairs);
     return problem;
 }
 
-inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene, std::vector<VerifiedPairPtr> pairs) {
+inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene,
+                                 std::vector<VerifiedPairPtr> pairs) {
     return problem_of(scene, std::move(pairs), scene.cameras, scene.images.size());
 }
 

@@ -13,11 +13,16 @@ class ReprojectionCostTest : public testing::TestWithParam<CameraModel> {};
 
 std::array<double, 8> parameters_of(CameraModel model) {
     switch (model) {
-        case CameraModel::kSimplePinhole: return {800, 500, 400};
-        case CameraModel::kPinhole: return {800, 820, 500, 400};
-        case CameraModel::kSimpleRadial: return {800, 500, 400, -0.1};
-        case CameraModel::kRadial: return {800, 500, 400, -0.1, 0.02};
-        case CameraModel::kOpenCv: return {800, 820, 500, 400, -0.1, 0.02, 0.003, -0.002};
+        case CameraModel::kSimplePinhole:
+            return {800, 500, 400};
+        case CameraModel::kPinhole:
+            return {800, 820, 500, 400};
+        case CameraModel::kSimpleRadial:
+            return {800, 500, 400, -0.1};
+        case CameraModel::kRadial:
+            return {800, 500, 400, -0.1, 0.02};
+        case CameraModel::kOpenCv:
+            return {800, 820, 500, 400, -0.1, 0.02, 0.003, -0.002};
     }
     return {};
 }
@@ -28,7 +33,9 @@ TEST_P(ReprojectionCostTest, AgreesWithProjectAndItsOwnDifferences) {
     camera.width = 1000;
     camera.height = 800;
     camera.params = parameters_of(GetParam());
-    const Rigid3 pose{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -1).normalized())), {0.1, -0.2, 0.5}};
+    const Rigid3 pose{
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -1).normalized())),
+        {0.1, -0.2, 0.5}};
     const Eigen::Vector3d point(0.7, -0.3, 3.0);
     const Eigen::Vector2d observed(512, 388);
     const ReprojectionCost cost(GetParam(), observed, 2.0);
@@ -54,9 +61,13 @@ TEST_P(ReprojectionCostTest, AgreesWithProjectAndItsOwnDifferences) {
         EXPECT_TRUE(cost.Evaluate(blocks.data(), r.data(), nullptr));
         return r;
     };
-    const auto expect_column = [&](const double* jacobian, int columns, int column, const Eigen::Vector2d& difference) {
-        EXPECT_NEAR(jacobian[column], difference.x(), 1e-3 + 1e-5 * std::abs(difference.x())) << "column " << column;
-        EXPECT_NEAR(jacobian[columns + column], difference.y(), 1e-3 + 1e-5 * std::abs(difference.y())) << "column " << column;
+    const auto expect_column = [&](const double* jacobian, int columns, int column,
+                                   const Eigen::Vector2d& difference) {
+        EXPECT_NEAR(jacobian[column], difference.x(), 1e-3 + 1e-5 * std::abs(difference.x()))
+            << "column " << column;
+        EXPECT_NEAR(jacobian[columns + column], difference.y(),
+                    1e-3 + 1e-5 * std::abs(difference.y()))
+            << "column " << column;
     };
     const PoseManifold manifold;
     for (int i = 0; i < 6; ++i) {
@@ -87,12 +98,14 @@ TEST_P(ReprojectionCostTest, AgreesWithProjectAndItsOwnDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllModels, ReprojectionCostTest,
-                         testing::Values(CameraModel::kSimplePinhole, CameraModel::kPinhole, CameraModel::kSimpleRadial,
-                                         CameraModel::kRadial, CameraModel::kOpenCv));
+                         testing::Values(CameraModel::kSimplePinhole, CameraModel::kPinhole,
+                                         CameraModel::kSimpleRadial, CameraModel::kRadial,
+                                         CameraModel::kOpenCv));
 
 TEST(PoseManifold, MinusUndoesPlus) {
     std::array<double, kPoseSize> x{};
-    write_pose({Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY())), {1, 2, 3}}, x.data());
+    write_pose({Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY())), {1, 2, 3}},
+               x.data());
     const std::array<double, 6> delta{0.1, -0.2, 0.3, 1, -1, 2};
     std::array<double, kPoseSize> y{};
     std::array<double, 6> back{};

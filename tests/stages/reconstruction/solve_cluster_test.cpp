@@ -15,10 +15,14 @@ namespace {
 using synthetic::SyntheticScene;
 
 SyntheticScene noisy_ring(std::uint32_t images, std::uint64_t seed) {
-    return synthetic::add_clutter(synthetic::add_pixel_noise(synthetic::make_scene(synthetic::ring_around_sphere(images), seed), 0.3, seed), 100, seed);
+    return synthetic::add_clutter(
+        synthetic::add_pixel_noise(
+            synthetic::make_scene(synthetic::ring_around_sphere(images), seed), 0.3, seed),
+        100, seed);
 }
 
-synthetic::ReconstructionError error_of(const ClusterSolution& solution, const SyntheticScene& scene) {
+synthetic::ReconstructionError error_of(const ClusterSolution& solution,
+                                        const SyntheticScene& scene) {
     const auto error = synthetic::compare_with_truth(*solution.model, scene);
     EXPECT_TRUE(error.ok());
     return error.ok() ? *error : synthetic::ReconstructionError{};
@@ -26,7 +30,8 @@ synthetic::ReconstructionError error_of(const ClusterSolution& solution, const S
 
 TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
     const SyntheticScene scene = noisy_ring(12, 1);
-    const auto pairs = synthetic::add_wrong_matches(scene, synthetic::make_verified_pairs(scene), {.fraction = 0.1}, 5);
+    const auto pairs = synthetic::add_wrong_matches(scene, synthetic::make_verified_pairs(scene),
+                                                    {.fraction = 0.1}, 5);
     ClusterProblem problem = problem_of(scene, pairs);
     problem.fix_intrinsics = true;
     const auto solution = solve_cluster(problem, {});
@@ -56,7 +61,9 @@ TEST(SolveCluster, RefinesFocalLengthAndDistortion) {
 TEST(SolveCluster, CalibratesUnknownFocalLengths) {
     const SyntheticScene scene = noisy_ring(12, 3);
     std::map<CameraId, Camera> unknown;
-    for (const auto& [id, camera] : scene.cameras) unknown[id] = make_camera(camera.width, camera.height, 1.2 * camera.width, FocalSource::kUnknown);
+    for (const auto& [id, camera] : scene.cameras)
+        unknown[id] =
+            make_camera(camera.width, camera.height, 1.2 * camera.width, FocalSource::kUnknown);
     const auto pairs = synthetic::make_verified_pairs(scene, {.calibrated = false});
     const auto solution = solve_cluster(problem_of(scene, pairs, unknown, 12), {});
     ASSERT_TRUE(solution.ok()) << solution.error().message;
@@ -84,7 +91,8 @@ TEST(SolveCluster, ExtendsAModelAsWellAsSolvingAnew) {
     const auto anew = solve_cluster(second, {});
     ASSERT_TRUE(anew.ok());
     EXPECT_EQ(extended->model->images.size(), 14U);
-    EXPECT_LT(error_of(*extended, scene).max_position, 1.15 * error_of(*anew, scene).max_position + 1e-4);
+    EXPECT_LT(error_of(*extended, scene).max_position,
+              1.15 * error_of(*anew, scene).max_position + 1e-4);
 }
 
 TEST(SolveCluster, IsBitwiseRepeatable) {
@@ -95,7 +103,8 @@ TEST(SolveCluster, IsBitwiseRepeatable) {
     ASSERT_TRUE(a.ok() && b.ok());
     ASSERT_EQ(a->model->images.size(), b->model->images.size());
     for (std::size_t i = 0; i < a->model->images.size(); ++i) {
-        EXPECT_EQ(a->model->images[i].cam_from_cluster.translation, b->model->images[i].cam_from_cluster.translation);
+        EXPECT_EQ(a->model->images[i].cam_from_cluster.translation,
+                  b->model->images[i].cam_from_cluster.translation);
     }
     ASSERT_EQ(a->model->points.size(), b->model->points.size());
     for (std::size_t i = 0; i < a->model->points.size(); ++i) {
@@ -107,9 +116,11 @@ TEST(SolveCluster, DropsAnEdgeThatContradictsTheRotations) {
     const SyntheticScene scene = noisy_ring(12, 6);
     auto pairs = synthetic::make_verified_pairs(scene);
     // Not one that the spanning tree is made of: the weakest.
-    const auto weakest = std::ranges::min_element(pairs, {}, [](const VerifiedPairPtr& pair) { return pair->geometry.inliers.size(); });
+    const auto weakest = std::ranges::min_element(
+        pairs, {}, [](const VerifiedPairPtr& pair) { return pair->geometry.inliers.size(); });
     VerifiedPair wrong = **weakest;
-    wrong.geometry.cam2_from_cam1.rotation = Eigen::AngleAxisd(0.9, Eigen::Vector3d::UnitX()) * wrong.geometry.cam2_from_cam1.rotation;
+    wrong.geometry.cam2_from_cam1.rotation =
+        Eigen::AngleAxisd(0.9, Eigen::Vector3d::UnitX()) * wrong.geometry.cam2_from_cam1.rotation;
     *weakest = std::make_shared<const VerifiedPair>(wrong);
     const auto solution = solve_cluster(problem_of(scene, pairs), {});
     ASSERT_TRUE(solution.ok());
@@ -132,17 +143,20 @@ TEST(SolveCluster, SaysWhyImagesWait) {
     EXPECT_EQ(unconnected->waiting.front().second, WaitReason::kNoSeed);
 
     auto without_last = pairs;
-    std::erase_if(without_last, [](const VerifiedPairPtr& pair) { return index_of(pair->pair.second) == 7; });
+    std::erase_if(without_last,
+                  [](const VerifiedPairPtr& pair) { return index_of(pair->pair.second) == 7; });
     const auto one_out = solve_cluster(problem_of(scene, without_last), {});
     ASSERT_TRUE(one_out.ok());
     ASSERT_EQ(one_out->waiting.size(), 1U);
-    EXPECT_EQ(one_out->waiting.front(), std::pair(static_cast<ImageId>(7), WaitReason::kRegistrationFailed));
+    EXPECT_EQ(one_out->waiting.front(),
+              std::pair(static_cast<ImageId>(7), WaitReason::kRegistrationFailed));
 }
 
 TEST(SolveCluster, StopsOnRequest) {
     const SyntheticScene scene = noisy_ring(8, 8);
     const std::atomic<bool> cancel{true};
-    const auto solution = solve_cluster(problem_of(scene, synthetic::make_verified_pairs(scene)), {}, &cancel);
+    const auto solution =
+        solve_cluster(problem_of(scene, synthetic::make_verified_pairs(scene)), {}, &cancel);
     ASSERT_FALSE(solution.ok());
     EXPECT_EQ(solution.error().code, ErrorCode::kCancelled);
 }

@@ -16,8 +16,10 @@ namespace {
 TEST(Triangulate, FindsThePointOfTwoViews) {
     const Eigen::Vector3d point(0.3, -0.2, 4.0);
     const Rigid3 left;
-    const Rigid3 right{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {-1.0, 0.1, 0.0}};
-    const std::array<View, 2> views{View{left, (left * point).hnormalized()}, View{right, (right * point).hnormalized()}};
+    const Rigid3 right{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())),
+                       {-1.0, 0.1, 0.0}};
+    const std::array<View, 2> views{View{left, (left * point).hnormalized()},
+                                    View{right, (right * point).hnormalized()}};
     const auto found = triangulate(views);
     ASSERT_TRUE(found.has_value());
     EXPECT_LT((*found - point).norm(), 1e-9);
@@ -53,7 +55,8 @@ class EstimatePointTest : public testing::Test {
     WorkingModel model{problem, matches};
 
     void SetUp() override {
-        for (std::uint32_t i = 0; i < scene.images.size(); ++i) model.set_pose(i, scene.images[i].cam_from_world);
+        for (std::uint32_t i = 0; i < scene.images.size(); ++i)
+            model.set_pose(i, scene.images[i].cam_from_world);
     }
 };
 
@@ -69,7 +72,8 @@ TEST_F(EstimatePointTest, LeavesOutWhatDoesNotAgree) {
     const auto estimated = estimate_point(model, candidates, TrackOptions{});
     ASSERT_TRUE(estimated.has_value());
     EXPECT_EQ(estimated->inliers.size(), first->size());
-    const std::uint32_t true_point = scene.images[index_of(first->front().image)].feature_point[first->front().feature];
+    const std::uint32_t true_point =
+        scene.images[index_of(first->front().image)].feature_point[first->front().feature];
     EXPECT_LT((estimated->position - scene.points[true_point].position).norm(), 1e-3);
 }
 

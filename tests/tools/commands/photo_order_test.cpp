@@ -12,9 +12,11 @@ namespace psfm {
 namespace {
 
 TEST(ShuffledNames, FollowTheWrittenRule) {
-    // Worked out by hand from the rule with mt19937_64(1): 2469588189546311528, 2516265689700432462, …
+    // Worked out by hand from the rule with mt19937_64(1): 2469588189546311528,
+    // 2516265689700432462, …
     const std::vector<std::string> names{"c", "a", "b"};
-    // i = 2: 2469588189546311528 mod 3 = 2, stays; i = 1: 2516265689700432462 mod 2 = 0, swaps a and b.
+    // i = 2: 2469588189546311528 mod 3 = 2, stays; i = 1: 2516265689700432462 mod 2 = 0, swaps a
+    // and b.
     EXPECT_EQ(shuffled_names(names, 1), (std::vector<std::string>{"b", "a", "c"}));
 }
 
@@ -37,7 +39,8 @@ class OrderFileTest : public testing::Test {
     void TearDown() override { std::filesystem::remove(file_); }
 
   private:
-    std::filesystem::path file_ = std::filesystem::temp_directory_path() / ("psfm_order_" + std::to_string(getpid()));
+    std::filesystem::path file_ =
+        std::filesystem::temp_directory_path() / ("psfm_order_" + std::to_string(getpid()));
 };
 
 TEST_F(OrderFileTest, ReadsNames) {
@@ -49,7 +52,8 @@ TEST_F(OrderFileTest, ReadsNames) {
 TEST_F(OrderFileTest, NamesWhatIsWrong) {
     EXPECT_EQ(read_order_file("/no/such/file").error().code, ErrorCode::kNotFound);
     EXPECT_EQ(read_order_file(write("\n\n")).error().code, ErrorCode::kInvalidArgument);
-    EXPECT_EQ(read_order_file(write(std::string(5000, 'x'))).error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(read_order_file(write(std::string(5000, 'x'))).error().code,
+              ErrorCode::kInvalidArgument);
     const auto twice = read_order_file(write("a\nb\na\n"));
     ASSERT_FALSE(twice.ok());
     EXPECT_NE(twice.error().message.find("line 3"), std::string::npos);
