@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <glog/logging.h>
+
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <exception>
 #include <iostream>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "tools/commands/commands.h"
 
@@ -42,10 +45,18 @@ int run(int argc, char** argv) {
     return exit_code;
 }
 
+/// What libraries have to say is in their results; their own lines would stand between ours on
+/// stderr.
+void quieten_libraries() {
+    FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
+        quieten_libraries();
         return run(argc, argv);
     } catch (const std::exception& exception) {
         std::cerr << "psfm: unexpected failure (" << exception.what()

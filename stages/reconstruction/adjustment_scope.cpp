@@ -32,7 +32,11 @@ AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics) {
     const std::vector<std::uint32_t> counts = observation_counts(model);
     const auto best =
         std::ranges::max_element(scope.free_images, {}, [&](std::uint32_t i) { return counts[i]; });
-    if (best != scope.free_images.end()) scope.held_images = {*best};
+    if (best == scope.free_images.end()) return scope;
+    const auto farthest = std::ranges::max_element(scope.free_images, {}, [&](std::uint32_t i) {
+        return (model.centre(i) - model.centre(*best)).squaredNorm();
+    });
+    scope.gauge = AdjustmentScope::Gauge{*best, *farthest};
     return scope;
 }
 

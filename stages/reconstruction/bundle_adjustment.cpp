@@ -109,8 +109,8 @@ Parameters lay_out(const WorkingModel& model, const std::vector<Residual>& resid
     return parameters;
 }
 
-/// Principal point and unused slots stay fixed.
-ceres::SubsetManifold* intrinsics_manifold(CameraModel model) {
+/// Unused slots stay fixed, and the principal point (the first two of each list) unless it is free.
+ceres::SubsetManifold* intrinsics_manifold(CameraModel model, bool free_principal_point) {
     std::vector<int> constant;
     switch (model) {
         case CameraModel::kSimplePinhole:
@@ -129,7 +129,24 @@ ceres::SubsetManifold* intrinsics_manifold(CameraModel model) {
             constant = {2, 3};
             break;
     }
+    if (free_principal_point) constant.erase(constant.begin(), constant.begin() + 2);
     return new ceres::SubsetManifold(kIntrinsicsSize, constant);
+}
+
+/// The coordinate of the farthest image's translation that changes most when the scene is scaled
+/// about the origin.
+int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& gauge) {
+    const Eigen::Vector3d offset = model.centre(gauge.farthest) - model.centre(gauge.origin);
+    const Eigen::Vector3d change = model.pose(gauge.farthest).rotation * offset;
+    int coordinate = 0;
+    change.cwiseAbs().maxCoeff(&coordinate);
+    return coordinate;
+}
+
+/// Standard deviation of an observation, relative to that of the smallest features: a blob's centre
+/// is found to a fraction of its size.
+double sigma_of(const Keypoint& keypoint, const AdjustmentOptions& options) {
+    return std::max(1.0, options.sigma_per_scale * keypoint.scale);
 }
 
 void write_back(const Parameters& parameters, const Selection& selection,
@@ -160,9 +177,10 @@ void write_back(const Parameters& parameters, const Selection& selection,
 
 Result<void> validate(const AdjustmentOptions& options) {
     if (!(options.loss_scale_px > 0) || options.max_iterations < 1 ||
-        !(options.function_tolerance > 0)) {
+        !(options.function_tolerance > 0) || !(options.sigma_per_scale >= 0) ||
+        !(options.principal_point_sigma > 0)) {
         return Error{ErrorCode::kInvalidArgument,
-                     "bundle adjustment: scale, iterations and tolerance must be positive"};
+                     "bundle adjustment: scales, iterations and tolerance must be positive"};
     }
     return {};
 }
@@ -181,12 +199,15 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     problem_options.disable_all_safety_checks = true;
     ceres::SoftLOneLoss loss(options.loss_scale_px);
     PoseManifold pose_manifold;
+    PoseManifold scale_manifold(scope.gauge ? scale_coordinate(model, *scope.gauge) : 0);
     std::vector<std::unique_ptr<ceres::Manifold>> manifolds;
+    std::deque<PrincipalPointPrior> priors;
     std::deque<ReprojectionCost> costs;  // a deque: the problem keeps pointers into it
     ceres::Problem problem(problem_options);
     for (const Residual& residual : selection.residuals) {
         const std::uint32_t image = residual.feature.image;
-        costs.emplace_back(model.camera(image).model, model.pixel(residual.feature), 1.0);
+        costs.emplace_back(model.camera(image).model, model.pixel(residual.feature),
+                           sigma_of(model.keypoint(residual.feature), options));
         problem.AddResidualBlock(
             &costs.back(), &loss, &parameters.values[parameters.pose_at[image]],
             &parameters.values[parameters.point_at[residual.point]],
@@ -198,11 +219,12 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         if (parameters.pose_at[image] == Parameters::kAbsent) continue;
         double* block = &parameters.values[parameters.pose_at[image]];
-        if (!selection.image_is_free[image] ||
-            std::ranges::find(scope.held_images, image) != scope.held_images.end()) {
+        const bool is_origin = scope.gauge && scope.gauge->origin == image;
+        if (!selection.image_is_free[image] || is_origin) {
             problem.SetParameterBlockConstant(block);
         } else {
-            problem.SetManifold(block, &pose_manifold);
+            const bool keeps_scale = scope.gauge && scope.gauge->farthest == image;
+            problem.SetManifold(block, keeps_scale ? &scale_manifold : &pose_manifold);
             ++free_poses;
         }
         ordering->AddElementToGroup(block, 1);
@@ -216,7 +238,14 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     for (const auto& [camera, at] : parameters.camera_at) {
         double* block = &parameters.values[at];
         if (std::ranges::binary_search(scope.free_cameras, camera)) {
-            manifolds.emplace_back(intrinsics_manifold(model.cameras().at(camera).model));
+            const bool free_point = std::ranges::binary_search(scope.free_principal_points, camera);
+            const Camera& initial = model.cameras().at(camera);
+            manifolds.emplace_back(intrinsics_manifold(initial.model, free_point));
+            if (free_point) {
+                priors.emplace_back(initial, options.principal_point_sigma *
+                                                 std::max(initial.width, initial.height));
+                problem.AddResidualBlock(&priors.back(), nullptr, block);
+            }
             problem.SetManifold(block, manifolds.back().get());
         } else {
             problem.SetParameterBlockConstant(block);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "graph/result.h"
@@ -22,6 +23,14 @@ struct AdjustmentOptions {
     /// Images above which the reduced camera system is solved sparse instead of dense. Ours, from
     /// timings of both at 20 to 200 images on quad-streams.
     std::uint32_t dense_up_to_images = 60;
+    /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
+    /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes
+    /// (docs/accuracy.md): 1 divides the error on Herz-Jesus-P8 by 1.1 and costs 2 % on the others.
+    double sigma_per_scale = 1.0;
+    /// Standard deviation of a principal point from the image's centre, over the longer side, where
+    /// it is free. Higher: scenes that hardly determine it move it far; lower: what lenses really
+    /// have is not found. Ours: the Strecha cameras have 0.007.
+    double principal_point_sigma = 0.005;
 };
 
 Result<void> validate(const AdjustmentOptions& options);
@@ -29,15 +38,23 @@ Result<void> validate(const AdjustmentOptions& options);
 /// What may move. Poses of other images that see the points stay as they are.
 struct AdjustmentScope {
     std::vector<std::uint32_t> free_images;  ///< ascending local indices
+    std::vector<CameraId> free_cameras;      ///< ascending; focal lengths and distortion
     std::vector<CameraId>
-        free_cameras;  ///< ascending; focal lengths and distortion, never the principal point
+        free_principal_points;  ///< ascending, of free_cameras: the principal point as well
     /// Points seen by these images move; all other points that free images see stay fixed.
     std::vector<std::uint32_t> point_images;
-    /// Image whose pose is held, to fix the gauge; none when fixed images do that already.
-    std::vector<std::uint32_t> held_images;
+    /// Fixes the gauge where no fixed image does: `origin` does not move at all, and `farthest`
+    /// keeps the coordinate of its translation that tells its distance from the origin best, and so
+    /// the scale.
+    struct Gauge {
+        std::uint32_t origin = 0;
+        std::uint32_t farthest = 0;
+    };
+    std::optional<Gauge> gauge;
 };
 
-/// Everything free; the gauge is fixed by holding the image with most observations.
+/// Everything free; the gauge is fixed at the image with most observations and the one farthest
+/// from it.
 AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics);
 
 /// The image and the `neighbors` images that share most points with it; points of the image move.

@@ -68,9 +68,7 @@ bool try_pair(WorkingModel& model, const Candidate& pair, double min_angle_deg,
     model.set_pose(pair.image2, pair.geometry->cam2_from_cam1);
     triangulate_image(model, pair.image1, options.tracks);
     if (model.alive_points() >= options.initialization.min_points) {
-        AdjustmentScope scope = full_scope(model, false);
-        scope.held_images = {pair.image1};
-        if (adjust(model, scope, options.local_adjustment).ok()) {
+        if (adjust(model, full_scope(model, false), options.local_adjustment).ok()) {
             filter_tracks(model, {}, options.tracks);
             if (model.alive_points() >= options.initialization.min_points &&
                 median_angle_deg(model, pair.image1, pair.image2) >= min_angle_deg) {

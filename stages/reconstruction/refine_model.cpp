@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/refine_model.h"
 
+#include <map>
+
 #include "stages/reconstruction/tracks.h"
 
 namespace psfm {
@@ -14,6 +16,21 @@ std::size_t observation_count(const WorkingModel& model) {
     std::size_t count = 0;
     for (const WorkingModel::Point& point : model.points()) count += point.track.size();
     return count;
+}
+
+/// Cameras that at least so many registered images share, ascending; given ones keep their
+/// principal point.
+std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32_t images) {
+    std::map<CameraId, std::uint32_t> counts;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image)) ++counts[model.camera_id(image)];
+    }
+    std::vector<CameraId> cameras;
+    for (const auto& [camera, count] : counts) {
+        if (count >= images && model.cameras().at(camera).focal_source != FocalSource::kGiven)
+            cameras.push_back(camera);
+    }
+    return cameras;
 }
 
 std::size_t retriangulate(WorkingModel& model, const TrackOptions& options) {
@@ -51,8 +68,12 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
         changed += retriangulate(model, options.tracks);
         const bool free_intrinsics =
             !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
-        const auto report =
-            adjust(model, full_scope(model, free_intrinsics), refinement.adjustment);
+        AdjustmentScope scope = full_scope(model, free_intrinsics);
+        if (free_intrinsics && refinement.images_for_principal_point > 0) {
+            scope.free_principal_points =
+                cameras_with_images(model, refinement.images_for_principal_point);
+        }
+        const auto report = adjust(model, scope, refinement.adjustment);
         if (!report.ok()) return report.error();
         ++adjustments;
         changed += filter_tracks(model, {}, options.tracks);

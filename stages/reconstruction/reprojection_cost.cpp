@@ -113,30 +113,47 @@ Rigid3 read_pose(const double* block) {
 }
 
 bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
+    Eigen::Matrix<double, 6, 1> whole = Eigen::Matrix<double, 6, 1>::Zero();
+    for (int i = 0, from = 0; i < 6; ++i) {
+        if (i != held_) whole[i] = delta[from++];
+    }
     const Eigen::Map<const Eigen::Quaterniond> rotation(x);
-    const Eigen::Map<const Eigen::Vector3d> w(delta);
-    const Eigen::Quaterniond moved = (exponential(w) * rotation).normalized();
+    const Eigen::Quaterniond moved = (exponential(whole.head<3>()) * rotation).normalized();
     Eigen::Map<Eigen::Vector4d>{x_plus_delta} = moved.coeffs();
-    for (int i = 0; i < 3; ++i) x_plus_delta[4 + i] = x[4 + i] + delta[3 + i];
+    for (int i = 0; i < 3; ++i) x_plus_delta[4 + i] = x[4 + i] + whole[3 + i];
     return true;
 }
 
 bool PoseManifold::PlusJacobian(const double* /*x*/, double* jacobian) const {
-    Eigen::Map<Eigen::Matrix<double, kPoseSize, 6, Eigen::RowMajor>>{jacobian}.setIdentity();
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> matrix(
+        jacobian, kPoseSize, TangentSize());
+    matrix.setZero();
+    for (int i = 0, column = 0; i < 6; ++i) {
+        if (i != held_) matrix(i, column++) = 1.0;
+    }
     return true;
 }
 
 bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
     const Eigen::Map<const Eigen::Quaterniond> to(y);
     const Eigen::Map<const Eigen::Quaterniond> from(x);
-    Eigen::AngleAxisd difference(to * from.conjugate());
-    Eigen::Map<Eigen::Vector3d>{y_minus_x} = difference.angle() * difference.axis();
-    for (int i = 0; i < 3; ++i) y_minus_x[3 + i] = y[4 + i] - x[4 + i];
+    const Eigen::AngleAxisd difference(to * from.conjugate());
+    Eigen::Matrix<double, 6, 1> whole;
+    whole.head<3>() = difference.angle() * difference.axis();
+    for (int i = 0; i < 3; ++i) whole[3 + i] = y[4 + i] - x[4 + i];
+    for (int i = 0, out = 0; i < 6; ++i) {
+        if (i != held_) y_minus_x[out++] = whole[i];
+    }
     return true;
 }
 
 bool PoseManifold::MinusJacobian(const double* /*x*/, double* jacobian) const {
-    Eigen::Map<Eigen::Matrix<double, 6, kPoseSize, Eigen::RowMajor>>{jacobian}.setIdentity();
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> matrix(
+        jacobian, TangentSize(), kPoseSize);
+    matrix.setZero();
+    for (int i = 0, row = 0; i < 6; ++i) {
+        if (i != held_) matrix(row++, i) = 1.0;
+    }
     return true;
 }
 
@@ -169,6 +186,18 @@ bool ReprojectionCost::Evaluate(double const* const* parameters, double* residua
     if (jacobians[2] != nullptr) {
         Eigen::Map<RowMatrix28>{jacobians[2]} = inverse_sigma_ * derivatives.by_intrinsics;
     }
+    return true;
+}
+
+bool PrincipalPointPrior::Evaluate(double const* const* parameters, double* residuals,
+                                   double** jacobians) const {
+    for (int i = 0; i < 2; ++i)
+        residuals[i] = inverse_sigma_ * (parameters[0][first_ + i] - centre_[i]);
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    Eigen::Map<RowMatrix28> jacobian(jacobians[0]);
+    jacobian.setZero();
+    jacobian(0, first_) = inverse_sigma_;
+    jacobian(1, first_ + 1) = inverse_sigma_;
     return true;
 }
 

@@ -59,9 +59,10 @@ class WorkingModel {
     /// Takes an image out again, with its observations.
     void remove_image(std::uint32_t image);
 
-    Eigen::Vector2d pixel(const Feature& feature) const {
-        return (*problem_->images[feature.image].keypoints)[feature.feature].position();
+    const Keypoint& keypoint(const Feature& feature) const {
+        return (*problem_->images[feature.image].keypoints)[feature.feature];
     }
+    Eigen::Vector2d pixel(const Feature& feature) const { return keypoint(feature).position(); }
 
     const std::vector<Point>& points() const { return points_; }
     std::size_t alive_points() const { return alive_points_; }

@@ -11,11 +11,13 @@
 namespace psfm::synthetic {
 namespace {
 
-/// Distance of x2 from the epipolar line of x1, both normalised, in units of the image plane.
-double epipolar_distance(const Eigen::Matrix3d& essential, const Eigen::Vector2d& x1,
-                         const Eigen::Vector2d& x2) {
-    const Eigen::Vector3d line = essential * x1.homogeneous();
-    return std::abs(line.dot(x2.homogeneous())) / std::max(line.head<2>().norm(), 1e-15);
+/// Normalised coordinates of all features of an image.
+std::vector<Eigen::Vector2d> normalized_features(const SceneImage& image, const Camera& camera) {
+    std::vector<Eigen::Vector2d> result;
+    for (const Keypoint& keypoint : image.keypoints) {
+        result.push_back(normalized_from_pixel(camera, keypoint.position()));
+    }
+    return result;
 }
 
 std::vector<std::uint32_t> unmatched(std::size_t features, const std::vector<FeatureMatch>& matches,
@@ -96,22 +98,29 @@ std::vector<FeatureMatch> add_wrong_matches(const SyntheticScene& scene, ImagePa
     const auto right = static_cast<double>(matches.size());
     const auto wanted =
         static_cast<std::size_t>(std::llround(right * options.fraction / (1.0 - options.fraction)));
-    const auto may_pair = [&](std::uint32_t feature1, std::uint32_t feature2) {
-        const std::uint32_t point = image1.feature_point[feature1];
-        if (point != kNoPoint && point == image2.feature_point[feature2]) return false;
-        if (!options.max_epipolar_error_px) return true;
-        const Eigen::Vector2d x1 =
-            normalized_from_pixel(camera1, image1.keypoints[feature1].position());
-        const Eigen::Vector2d x2 =
-            normalized_from_pixel(camera2, image2.keypoints[feature2].position());
-        const double distance_px = epipolar_distance(essential, x1, x2) * camera2.mean_focal();
-        return distance_px <= *options.max_epipolar_error_px;
-    };
+    std::vector<Eigen::Vector2d> x1;
+    std::vector<Eigen::Vector2d> x2;
+    if (options.max_epipolar_error_px) {
+        x1 = normalized_features(image1, camera1);
+        x2 = normalized_features(image2, camera2);
+    }
     for (std::size_t made = 0; made < wanted && !free1.empty(); free1.pop_back()) {
-        const auto partner = std::ranges::find_if(
-            free2, [&](std::uint32_t feature2) { return may_pair(free1.back(), feature2); });
+        const std::uint32_t feature1 = free1.back();
+        const std::uint32_t point = image1.feature_point[feature1];
+        Eigen::Vector3d line = Eigen::Vector3d::Zero();  // epipolar, its normal of length 1
+        if (options.max_epipolar_error_px) {
+            line = essential * x1[feature1].homogeneous();
+            line /= std::max(line.head<2>().norm(), 1e-15);
+        }
+        const auto partner = std::ranges::find_if(free2, [&](std::uint32_t feature2) {
+            if (point != kNoPoint && point == image2.feature_point[feature2]) return false;
+            if (!options.max_epipolar_error_px) return true;
+            const double distance_px =
+                std::abs(line.dot(x2[feature2].homogeneous())) * camera2.mean_focal();
+            return distance_px <= *options.max_epipolar_error_px;
+        });
         if (partner == free2.end()) continue;
-        matches.push_back({free1.back(), *partner});
+        matches.push_back({feature1, *partner});
         free2.erase(partner);
         ++made;
     }
