@@ -36,9 +36,7 @@ void Progress::on_publish(const PublishMessage& publish) {
         switch (event.kind) {
             case SessionEvent::Kind::kRejected:
                 ++done_;
-                say("rejected " +
-                    (event.images.empty() ? std::string() : event.images.front() + ": ") +
-                    event.text);
+                say("rejected " + event.text);  // which names the photograph
                 break;
             case SessionEvent::Kind::kReset:
                 say("reset: " + event.text);

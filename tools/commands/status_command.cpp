@@ -79,7 +79,7 @@ void print_text(const Status& status) {
         }
     }
     for (const RejectedPhoto& photo : status.rejected)
-        std::cout << "rejected  " << photo.name << ": " << photo.reason << '\n';
+        std::cout << "rejected  " << photo.reason << '\n';
 }
 
 }  // namespace
