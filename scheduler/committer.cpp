@@ -6,6 +6,7 @@
 #include <set>
 
 #include "scheduler/encode_state.h"
+#include "scheduler/make_problems.h"
 #include "stages/clustering/update_clustering.h"
 #include "stages/features/assign_camera.h"
 
@@ -332,7 +333,7 @@ void Committer::advance(CommitOutput& output) {
     const bool hold = config_.batch && !(ended && all_verified);
     if (!hold) {
         for (const ClusterEntry* entry : state_.clusters.take_dirty())
-            output.solves.push_back({make_problem(*entry, false)});
+            output.solves.push_back({make_cluster_problem(state_, config_, *entry, false)});
     }
     // Settling begins once everything is published, so that what it starts from does not depend on
     // timing.
@@ -341,7 +342,7 @@ void Committer::advance(CommitOutput& output) {
     if (ended && all_published && !settled_) {
         settled_ = true;
         for (const ClusterEntry* entry : state_.clusters.take_unsettled())
-            output.solves.push_back({make_problem(*entry, true)});
+            output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
     }
     // Deterministic sessions publish when everything is solved; others as soon as there is
     // something new.
@@ -350,7 +351,7 @@ void Committer::advance(CommitOutput& output) {
     if (due) {
         changed_ = false;
         merging_ = true;
-        output.merge = MergeMessage{make_merge_problem()};
+        output.merge = MergeMessage{make_merge_problem(state_)};
     }
     if (!output.publish && (!events_.empty() || photos_released_ > 0 || images_released_ > 0))
         output.publish.emplace();
@@ -361,52 +362,6 @@ void Committer::advance(CommitOutput& output) {
         output.publish->images_released = std::exchange(images_released_, 0);
         if (!output.publish->scene) output.publish->counts = state_.counts;
     }
-}
-
-std::shared_ptr<const ClusterProblem> Committer::make_problem(const ClusterEntry& entry,
-                                                              bool settle) const {
-    auto problem = std::make_shared<ClusterProblem>();
-    problem->cluster = entry.id;
-    problem->topology = entry.topology;
-    problem->recycled = entry.material;
-    problem->recycled_state = entry.material_state;
-    problem->fix_intrinsics = config_.fix_intrinsics;
-    problem->settle = settle;
-    problem->seed = config_.seed;
-    for (const ImageId id : entry.members) {
-        const Image& image = state_.images[index_of(id)];
-        problem->images.push_back(
-            {id, image.camera, image.metadata.content_hash, state_.keypoints[index_of(id)]});
-        problem->cameras.emplace(image.camera, state_.cameras.at(image.camera));
-        for (const ViewGraph::Edge& edge : state_.view_graph.edges(id)) {
-            if (edge.neighbor > id && std::ranges::binary_search(entry.members, edge.neighbor))
-                problem->pairs.push_back(edge.pair);
-        }
-    }
-    return problem;
-}
-
-std::shared_ptr<const MergeProblem> Committer::make_merge_problem() const {
-    auto problem = std::make_shared<MergeProblem>();
-    std::map<std::pair<ClusterId, ClusterId>, std::vector<VerifiedPairPtr>> between;
-    for (const auto& [id, entry] : state_.clusters.entries()) {
-        problem->clusters.push_back({id, entry.revision, entry.model});
-        if (!entry.model) continue;
-        for (const RegisteredImage& image : entry.model->images) {
-            for (const ViewGraph::Edge& edge : state_.view_graph.edges(image.image)) {
-                const ClusterEntry& other = state_.clusters.of(edge.neighbor);
-                if (id < other.id && other.model && other.model->find(edge.neighbor) != nullptr)
-                    between[{id, other.id}].push_back(edge.pair);
-            }
-        }
-    }
-    for (auto& [clusters, edges] : between) {
-        std::ranges::sort(edges, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
-        problem->pairs.push_back({clusters.first, clusters.second, std::move(edges)});
-    }
-    problem->known = state_.constraints;
-    problem->previous = state_.scene;
-    return problem;
 }
 
 StoredCluster Committer::stored(const ClusterEntry& entry) const {

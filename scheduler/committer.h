@@ -49,9 +49,6 @@ class Committer {
     Result<void> reject(const ExtractedMessage& message, const std::string& reason,
                         std::uint64_t hash, CommitOutput& output);
     void advance(CommitOutput& output);
-    std::shared_ptr<const ClusterProblem> make_problem(const ClusterEntry& entry,
-                                                       bool settle) const;
-    std::shared_ptr<const MergeProblem> make_merge_problem() const;
     void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
     void count(const Scene& scene);
     StoredCluster stored(const ClusterEntry& entry) const;

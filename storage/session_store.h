@@ -23,23 +23,24 @@ namespace psfm {
 enum class History : std::uint8_t { kNone = 0, kPoses = 1, kFull = 2 };
 
 struct StoreOptions {
-    /// Block cache and write buffers together [bytes]. Lower: more reads from disk; higher: more memory.
-    /// Ours: descriptors of about 250 images of 8,000 features.
+    /// Block cache and write buffers together [bytes]. Lower: more reads from disk; higher: more
+    /// memory. Ours: descriptors of about 250 images of 8,000 features.
     std::size_t cache_bytes = std::size_t{256} << 20U;
     History history = History::kPoses;
 };
 
-/// Settings that a session was made with. They are stored with it, and hold for every later `run` and
-/// `resume`, so that a resumed session ends as it would have ended.
+/// Settings that a session was made with. They are stored with it, and hold for every later `run`
+/// and `resume`, so that a resumed session ends as it would have ended.
 struct SessionSettings {
-    std::string photo_folder;   ///< absolute
-    std::string settings_json;  ///< the options of `run` that shape results, as written by the scheduler
+    std::string photo_folder;  ///< absolute
+    std::string
+        settings_json;  ///< the options of `run` that shape results, as written by the scheduler
 };
 
 /// A photograph that was looked at and turned down.
 struct RejectedPhoto {
     std::string name;
-    std::string reason;  ///< one line for people: what is wrong and what to do
+    std::string reason;              ///< one line for people: what is wrong and what to do
     std::uint64_t content_hash = 0;  ///< 0 when the file could not be read
     std::int64_t file_size = 0;      ///< [bytes]; a changed file is looked at again
 };
@@ -49,8 +50,9 @@ struct StoredCluster {
     ClusterId id{};
     std::vector<ImageId> members;
     std::uint32_t topology = 0;  ///< counts changes of membership, from 1
-    std::uint32_t solved_topology = 0;  ///< topology that the last solution was made for; dirty when it differs
-    std::uint32_t revision = 0;         ///< counts solutions, from 1; 0: none yet
+    std::uint32_t solved_topology =
+        0;  ///< topology that the last solution was made for; dirty when it differs
+    std::uint32_t revision = 0;  ///< counts solutions, from 1; 0: none yet
     /// Solutions for earlier topologies are not extended: models joined or split there.
     std::uint32_t anew_topology = 0;
 };
@@ -60,10 +62,12 @@ struct StoredSolution {
     ClusterId cluster{};
     std::uint32_t revision = 0;
     std::shared_ptr<const Reconstruction> model;
-    std::string state_json;  ///< what the next solve recycles beside the model (sizes at the last full adjustment, …)
+    std::string state_json;  ///< what the next solve recycles beside the model (sizes at the last
+                             ///< full adjustment, …)
 };
 
-/// Where one cluster stands in a scene version; its poses are those of solution (cluster, revision).
+/// Where one cluster stands in a scene version; its poses are those of solution (cluster,
+/// revision).
 struct StoredPlacement {
     ClusterId cluster{};
     std::uint32_t revision = 0;
@@ -114,45 +118,50 @@ class SessionReader {
     virtual Result<ClusterId> next_cluster_id() const = 0;
     /// The latest solution of a cluster; nothing when it has none.
     virtual Result<std::optional<StoredSolution>> solution(ClusterId cluster) const = 0;
-    /// The latest scene version, complete with models; version 0 and no clusters for an empty session.
+    /// The latest scene version, complete with models; version 0 and no clusters for an empty
+    /// session.
     virtual Result<Scene> scene() const = 0;
     virtual Result<std::string> scene_summary_json() const = 0;
-    /// The last version with at most `image_count` images. Points are there with History::kFull and for
-    /// the latest version; else the models hold poses and cameras only.
-    /// kNotFound: no such version is kept.
+    /// The last version with at most `image_count` images. Points are there with History::kFull and
+    /// for the latest version; else the models hold poses and cameras only. kNotFound: no such
+    /// version is kept.
     virtual Result<Scene> scene_after(std::uint32_t image_count) const = 0;
-    virtual Result<CheckReport> check(const std::function<void(std::uint64_t done)>& progress) const = 0;
+    virtual Result<CheckReport> check(
+        const std::function<void(std::uint64_t done)>& progress) const = 0;
     /// Follows the writer (readers in other processes); does nothing in the writer itself.
     virtual Result<void> refresh() = 0;
 };
 
-/// The session store: one RocksDB database in one folder, one writing process at a time. Every commit_*
-/// is one atomic, synced write: when it returns, it survives a crash of the process and of the machine.
-/// The format is written down in FORMAT.md.
-/// Thread-safe for reading; commits come from one thread at a time.
+/// The session store: one RocksDB database in one folder, one writing process at a time. Every
+/// commit_* is one atomic, synced write: when it returns, it survives a crash of the process and of
+/// the machine. The format is written down in FORMAT.md. Thread-safe for reading; commits come from
+/// one thread at a time.
 class SessionStore : public SessionReader {
   public:
-    /// Opens or creates. @errors kInUse (names the holder's pid), kInvalidArgument (the folder is something
-    /// else), kVersion, kDamaged, kNoSpace, kIo
-    static Result<std::unique_ptr<SessionStore>> open(const std::filesystem::path& folder, const StoreOptions& options);
+    /// Opens or creates. @errors kInUse (names the holder's pid), kInvalidArgument (the folder is
+    /// something else), kVersion, kDamaged, kNoSpace, kIo
+    static Result<std::unique_ptr<SessionStore>> open(const std::filesystem::path& folder,
+                                                      const StoreOptions& options);
     /// Opens an existing session only. @errors as above; kNotFound
     static Result<std::unique_ptr<SessionStore>> open_existing(const std::filesystem::path& folder,
                                                                const StoreOptions& options);
 
     virtual Result<void> put_settings(const SessionSettings& settings) = 0;
-    /// Commit point 1: an image is acknowledged once this returns. `camera` is written when it is new.
-    /// REQUIRES: image.id == number of accepted images
-    virtual Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
+    /// Commit point 1: an image is acknowledged once this returns. `camera` is written when it is
+    /// new. REQUIRES: image.id == number of accepted images
+    virtual Result<void> commit_image(const Image& image, const Camera& camera,
+                                      const Keypoints& keypoints,
                                       const Descriptors& descriptors) = 0;
     virtual Result<void> commit_rejected(const RejectedPhoto& photo) = 0;
-    /// Commit points 2 and 3 in one batch: the pairs of `image` with earlier images, and what they changed in
-    /// the clustering (the full records of changed clusters, and the ids of removed ones).
-    /// REQUIRES: image.id == verified_image_count()
+    /// Commit points 2 and 3 in one batch: the pairs of `image` with earlier images, and what they
+    /// changed in the clustering (the full records of changed clusters, and the ids of removed
+    /// ones). REQUIRES: image.id == verified_image_count()
     virtual Result<void> commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
                                       const std::vector<StoredCluster>& changed,
                                       const std::vector<ClusterId>& removed) = 0;
     /// Commit point 4: a solution, and its cluster's record (solved_topology, revision).
-    virtual Result<void> commit_solution(const StoredSolution& solution, const StoredCluster& cluster) = 0;
+    virtual Result<void> commit_solution(const StoredSolution& solution,
+                                         const StoredCluster& cluster) = 0;
     /// Commit point 5.
     virtual Result<void> commit_scene(const StoredSceneVersion& version) = 0;
 };

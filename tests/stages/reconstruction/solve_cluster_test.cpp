@@ -35,7 +35,8 @@ TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
     ClusterProblem problem = problem_of(scene, pairs);
     problem.fix_intrinsics = true;
     SolveOptions options;
-    options.settling.adjustment.sigma_per_scale = 0.0;  // the planted noise is the same at every scale
+    options.settling.adjustment.sigma_per_scale =
+        0.0;  // the planted noise is the same at every scale
     const auto solution = solve_cluster(problem, options);
     ASSERT_TRUE(solution.ok()) << solution.error().message;
     EXPECT_EQ(solution->model->images.size(), 12U);

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "scheduler/session_config.h"
+#include "scheduler/session_state.h"
+#include "stages/merge/run_merge.h"
+#include "stages/reconstruction/cluster_problem.h"
+
+namespace psfm {
+
+/// What solving a cluster needs, cut out of the session's state. Features and pairs are shared, not
+/// copied.
+/// @param settle  adjust to convergence instead of adding images
+std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
+                                                           const SessionConfig& config,
+                                                           const ClusterEntry& entry, bool settle);
+
+/// All clusters with the view graph's edges between placed images of different ones.
+std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state);
+
+}  // namespace psfm
