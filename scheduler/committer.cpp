@@ -36,12 +36,9 @@ SessionEvent describe_change(const ClusterChange& change) {
 
 }  // namespace
 
-Committer::Committer(SessionStore& store, SessionConfig config, StageOptions options,
+Committer::Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
                      SessionState state)
-    : store_(&store),
-      config_(std::move(config)),
-      options_(std::move(options)),
-      state_(std::move(state)) {}
+    : store_(&store), config_(std::move(config)), options_(options), state_(std::move(state)) {}
 
 Result<CommitOutput> Committer::handle(const CommitInput& message) {
     CommitOutput output;
@@ -166,6 +163,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
         untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
 
     std::vector<StoredCluster> changed;
+    changed.reserve(edit.changed.size());
     for (const ClusterMembers& cluster : edit.changed)
         changed.push_back(stored(state_.clusters.entries().at(cluster.id)));
     if (const auto done = store_->commit_pairs(image, pairs, changed, edit.removed); !done.ok())

@@ -30,7 +30,8 @@ struct CommitOutput {
 /// image id.
 class Committer {
   public:
-    Committer(SessionStore& store, SessionConfig config, StageOptions options, SessionState state);
+    Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
+              SessionState state);
 
     /// @errors those of the store: the session cannot go on, and everything acknowledged is safe.
     /// After an error every further message is ignored.

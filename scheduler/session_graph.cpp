@@ -233,12 +233,11 @@ void SessionGraph::Nodes::commit_message(const CommitInput& input,
         fail(output.error());
         return;
     }
-    for (AcceptedImagePtr& accepted : output->accepted)
-        std::get<0>(ports).try_put(std::move(accepted));
-    for (SolveMessage& solve_message : output->solves)
-        std::get<1>(ports).try_put(std::move(solve_message));
-    if (output->merge) std::get<2>(ports).try_put(*std::move(output->merge));
-    if (output->publish) std::get<3>(ports).try_put(*std::move(output->publish));
+    for (const AcceptedImagePtr& accepted : output->accepted) std::get<0>(ports).try_put(accepted);
+    for (const SolveMessage& solve_message : output->solves)
+        std::get<1>(ports).try_put(solve_message);
+    if (output->merge) std::get<2>(ports).try_put(*output->merge);
+    if (output->publish) std::get<3>(ports).try_put(*output->publish);
 }
 
 Result<std::unique_ptr<SessionGraph>> SessionGraph::create(const Parts& parts,

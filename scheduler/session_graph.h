@@ -26,14 +26,14 @@ namespace psfm {
 class SessionGraph {
   public:
     struct Parts {
-        SessionStore* store;
-        const StageOptions* options;
-        std::uint64_t seed;
-        Committer* committer;
-        SessionObserver* observer;
-        const std::atomic<bool>* stop;
-        Admission* photo_tokens;
-        Admission* image_tokens;
+        SessionStore* store = nullptr;
+        const StageOptions* options = nullptr;
+        std::uint64_t seed = 0;
+        Committer* committer = nullptr;
+        SessionObserver* observer = nullptr;
+        const std::atomic<bool>* stop = nullptr;
+        Admission* photo_tokens = nullptr;
+        Admission* image_tokens = nullptr;
         /// Images whose pairs are committed, by id: they are indexed for retrieval before the first
         /// photograph.
         std::vector<KnownImage> verified_images;

@@ -33,12 +33,16 @@ const char* problem_of(const Image& image) {
 
 template <typename T>
 std::optional<T> to_std(const flatbuffers::Optional<T>& value) {
-    return value.has_value() ? std::optional<T>(*value) : std::nullopt;
+    if (!value.has_value()) return std::nullopt;
+    const T& present = *value;
+    return present;
 }
 
 template <typename T>
 flatbuffers::Optional<T> to_flat(const std::optional<T>& value) {
-    return value ? flatbuffers::Optional<T>(*value) : flatbuffers::nullopt;
+    if (!value) return flatbuffers::nullopt;
+    const T& present = *value;
+    return flatbuffers::Optional<T>(present);
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ bool keeps_points(const SceneRecord* latest, const SolutionKey& key) {
 std::vector<bool> points_kept_by(const StoredSceneVersion& next, const SceneRecord* latest,
                                  History history) {
     std::vector<bool> kept;
+    kept.reserve(next.placements.size());
     for (const StoredPlacement& placement : next.placements) {
         kept.push_back(history == History::kFull ||
                        keeps_points(latest, {placement.cluster, placement.revision}));

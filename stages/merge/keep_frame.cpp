@@ -102,6 +102,7 @@ double median_neighbor_distance(std::span<const Eigen::Vector3d> centres) {
     if (centres.size() < 2) return 0.0;
     const KdTree tree(std::vector<Eigen::Vector3d>(centres.begin(), centres.end()));
     std::vector<double> distances;
+    distances.reserve(centres.size());
     for (std::size_t k = 0; k < centres.size(); ++k) {
         distances.push_back(tree.nearest_distance(centres[k], k));
     }

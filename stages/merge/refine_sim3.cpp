@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <memory>
 
 namespace psfm {
 namespace {
@@ -72,10 +73,10 @@ Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_
         for (const EdgeCorrespondences& edge : edges) {
             for (const PointCorrespondence& point : edge.points) {
                 if (correspondence_error(edge, point, b_from_a, a_from_b) > max_error) continue;
-                problem.AddResidualBlock(
-                    new ceres::AutoDiffCostFunction<ProjectionDistance, 4, 4, 4>(
-                        new ProjectionDistance(edge, point)),
-                    &loss, parameters.data(), parameters.data() + 4);
+                auto distance = std::make_unique<ProjectionDistance>(edge, point);
+                using Cost = ceres::AutoDiffCostFunction<ProjectionDistance, 4, 4, 4>;
+                problem.AddResidualBlock(new Cost(distance.release()), &loss, parameters.data(),
+                                         parameters.data() + 4);
             }
         }
         if (problem.NumResidualBlocks() < 3) return b_from_a;

@@ -112,6 +112,7 @@ std::optional<EstimatedPoint> estimate_point(const WorkingModel& model,
     const double min_angle = options.min_angle_deg * kRadiansPerDegree;
     const std::size_t tried = std::min(candidates.size(), kPairsFrom);
     std::vector<View> views;
+    views.reserve(tried);
     for (std::size_t i = 0; i < tried; ++i) views.push_back(view_of(model, candidates[i]));
 
     EstimatedPoint best;

@@ -18,7 +18,8 @@ std::size_t VisibilityPyramid::cell(const Eigen::Vector2d& pixel, int level) con
     const int side = 2 << level;
     const int column = std::clamp(static_cast<int>(pixel.x() / width_ * side), 0, side - 1);
     const int row = std::clamp(static_cast<int>(pixel.y() / height_ * side), 0, side - 1);
-    return static_cast<std::size_t>(row * side + column);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(side) +
+           static_cast<std::size_t>(column);
 }
 
 void VisibilityPyramid::add(const Eigen::Vector2d& pixel) {

@@ -64,6 +64,7 @@ Result<Trained> train(std::uint32_t training_images, std::uint32_t image_count,
 
 std::vector<RetrievalCandidate> all_earlier(std::uint32_t count) {
     std::vector<RetrievalCandidate> all;
+    all.reserve(count);
     for (std::uint32_t i = 0; i < count; ++i) all.push_back({ImageId{i}, 0.F});
     return all;
 }

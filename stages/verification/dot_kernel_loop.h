@@ -54,7 +54,7 @@ inline T smaller(T a, T b) {
 }
 
 inline std::int32_t load_four(const std::uint8_t* bytes) {
-    std::int32_t four;
+    std::int32_t four = 0;
     std::memcpy(&four, bytes, sizeof(four));
     return four;
 }
@@ -89,7 +89,7 @@ inline void clear(LaneMinima& minima) {
 inline void fold_row(const NearestTwo& of_rows, std::size_t row, const LaneMinima& lanes,
                      std::size_t first_column) {
     std::int32_t best = kNoDistance;
-    for (std::size_t lane = 0; lane < kStripColumns; ++lane) best = smaller(best, lanes.best[lane]);
+    for (const std::int32_t candidate : lanes.best) best = smaller(best, candidate);
     std::size_t best_lane = 0;  // the lowest one, that is the lowest column, among equal keys
     while (lanes.best[best_lane] != best) ++best_lane;
     std::int32_t second = lanes.second[best_lane];

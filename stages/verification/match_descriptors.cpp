@@ -91,7 +91,7 @@ PackedDescriptors pack(const Descriptors& descriptors) {
         std::int8_t* to = packed.strips[j / kStripColumns].bytes + j % kStripColumns * 4;
         for (std::size_t k = 0; k < Descriptors::kSize; k += 4, to += 4 * kStripColumns) {
             // Flipping the top bit of a byte subtracts 128 in two's complement.
-            std::uint32_t four;
+            std::uint32_t four = 0;
             std::memcpy(&four, from + k, sizeof(four));
             four ^= 0x80808080U;
             std::memcpy(to, &four, sizeof(four));

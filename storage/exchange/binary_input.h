@@ -30,7 +30,7 @@ class BinaryInput {
 
     template <typename T>
     bool read(T& value) {
-        std::array<char, sizeof(T)> bytes;
+        std::array<char, sizeof(T)> bytes{};
         if (!read_bytes(bytes.data(), bytes.size())) return false;
         if constexpr (std::endian::native == std::endian::big) std::ranges::reverse(bytes);
         value = std::bit_cast<T>(bytes);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -55,8 +56,9 @@ class Fields {
     template <typename T>
     bool read(T& value) {
         const std::string_view field = next();
-        const char* end = field.data() + field.size();
-        const auto [parsed, failure] = std::from_chars(field.data(), end, value);
+        const char* begin = std::to_address(field.begin());
+        const char* end = std::to_address(field.end());
+        const auto [parsed, failure] = std::from_chars(begin, end, value);
         return !field.empty() && failure == std::errc{} && parsed == end;
     }
 

@@ -30,7 +30,8 @@ Result<std::vector<std::string>> read_order_file(const std::filesystem::path& fi
     for (std::size_t number = 1; std::getline(stream, line); ++number) {
         if (!line.empty() && line.back() == '\r') line.pop_back();
         if (line.empty()) continue;
-        const std::string where = file.string() + " line " + std::to_string(number);
+        std::string where = file.string();
+        where.append(" line ").append(std::to_string(number));
         if (line.size() > kLongestName)
             return Error{ErrorCode::kInvalidArgument, where + " is too long for a name"};
         if (!seen.insert(line).second) {

@@ -149,7 +149,8 @@ int train_and_write(const TrainArguments& arguments, const std::vector<PhotoFile
     const auto written = write_vocabulary(tree, arguments.output);
     if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
     std::cout << arguments.output << ": " << tree.word_count() << " words from " << rows
-              << " descriptors of " << sample.photos << " photographs" << std::endl;
+              << " descriptors of " << sample.photos << " photographs\n"
+              << std::flush;
     if (words < arguments.words) {
         std::cerr
             << "fewer words than " << arguments.words << ": a word takes " << kDescriptorsPerWord
