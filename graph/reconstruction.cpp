@@ -11,4 +11,26 @@ const RegisteredImage* Reconstruction::find(ImageId image) const {
     return found != images.end() && found->image == image ? &*found : nullptr;
 }
 
+Reconstruction restricted_to(const Reconstruction& model, std::span<const ImageId> keep) {
+    const auto kept = [&](ImageId image) { return std::ranges::binary_search(keep, image); };
+    Reconstruction part;
+    for (const RegisteredImage& image : model.images) {
+        if (!kept(image.image)) continue;
+        part.images.push_back(image);
+        part.cameras[image.camera] = model.cameras.at(image.camera);
+    }
+    for (const ScenePoint& point : model.points) {
+        ScenePoint seen = point;
+        std::erase_if(seen.track, [&](const Observation& o) { return !kept(o.image); });
+        if (seen.track.size() >= 2) part.points.push_back(std::move(seen));
+    }
+    return part;
+}
+
+bool places_others_than(const Reconstruction& model, std::span<const ImageId> images) {
+    return !std::ranges::all_of(model.images, [&](const RegisteredImage& image) {
+        return std::ranges::binary_search(images, image.image);
+    });
+}
+
 }  // namespace psfm

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "graph/camera.h"
@@ -46,5 +47,12 @@ struct Reconstruction {
     const RegisteredImage* find(ImageId image) const;
     bool empty() const { return images.empty(); }
 };
+
+/// The part of a model that some images see: their poses, the cameras and points of these.
+/// @param keep  ascending
+Reconstruction restricted_to(const Reconstruction& model, std::span<const ImageId> keep);
+
+/// Whether the model places an image that is not among `images` (ascending).
+bool places_others_than(const Reconstruction& model, std::span<const ImageId> images);
 
 }  // namespace psfm

@@ -3,6 +3,7 @@
 #include "scheduler/cluster_table.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 namespace psfm {
@@ -10,13 +11,6 @@ namespace {
 
 bool has_model(const std::shared_ptr<const Reconstruction>& model) {
     return model && !model->empty();
-}
-
-/// All images of the model are among the (ascending) members.
-bool covers(const std::vector<ImageId>& members, const Reconstruction& model) {
-    return std::ranges::all_of(model.images, [&](const RegisteredImage& image) {
-        return std::ranges::binary_search(members, image.image);
-    });
 }
 
 }  // namespace
@@ -44,7 +38,8 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
         }
         const auto joined = joined_models.find(changed.id);
         const bool is_join = joined != joined_models.end();
-        const bool is_split = has_model(entry.model) && !covers(entry.members, *entry.model);
+        const bool is_split =
+            has_model(entry.model) && places_others_than(*entry.model, images_of(entry));
         if (is_join || is_split) {
             entry.material = nullptr;
             entry.material_state = {};
@@ -60,21 +55,77 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
             if (is_join) change.others.assign(joined->second.begin(), joined->second.end());
             changes.push_back(std::move(change));
         }
-        entry.settled = false;
-        const bool in_flight =
-            entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
-        if (in_flight) {
-            entry.phase = ClusterPhase::kSolvingDirty;
-        } else if (entry.members.size() < mu_min_) {
-            entry.phase = ClusterPhase::kClean;
-            entry.solved_topology = entry.topology;
-            entry.model = nullptr;
-        } else {
-            entry.phase = ClusterPhase::kDirty;
-        }
+        make_dirty(entry);
     }
     for (const ClusterId removed : edit.removed) entries_.erase(removed);
     return changes;
+}
+
+void ClusterTable::make_dirty(ClusterEntry& entry) {
+    entry.settled = false;
+    const bool in_flight =
+        entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
+    if (in_flight) {
+        entry.phase = ClusterPhase::kSolvingDirty;
+    } else if (entry.members.size() < mu_min_) {
+        entry.phase = ClusterPhase::kClean;
+        entry.solved_topology = entry.topology;
+        entry.model = nullptr;
+    } else {
+        entry.phase = ClusterPhase::kDirty;
+    }
+}
+
+std::vector<ClusterId> ClusterTable::set_hosts(
+    std::span<const std::pair<ImageId, std::optional<ClusterId>>> hosts) {
+    std::set<ClusterId> changed;
+    for (const auto& [image, host] : hosts) {
+        const auto known = host_of_.find(image);
+        const std::optional<ClusterId> before =
+            known == host_of_.end() ? std::nullopt : std::optional(known->second);
+        if (before == host) continue;
+        if (before) {
+            host_of_.erase(known);
+            if (const auto left = entries_.find(*before); left != entries_.end()) {
+                std::erase(left->second.guests, image);
+                changed.insert(*before);
+            }
+        }
+        if (host) {
+            host_of_[image] = *host;
+            std::vector<ImageId>& guests = entries_.at(*host).guests;
+            guests.insert(std::ranges::lower_bound(guests, image), image);
+            changed.insert(*host);
+        }
+    }
+    for (const ClusterId id : changed) {
+        ++entries_.at(id).topology;
+        make_dirty(entries_.at(id));
+    }
+    return {changed.begin(), changed.end()};
+}
+
+std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters) const {
+    std::vector<ImageId> guests;
+    for (const auto& [image, host] : host_of_) {
+        if (std::ranges::find(clusters, host) != clusters.end()) guests.push_back(image);
+    }
+    return guests;
+}
+
+const ClusterEntry& ClusterTable::of(ImageId image) const {
+    const auto host = host_of_.find(image);
+    return entries_.at(host != host_of_.end() ? host->second : cluster_of_[index_of(image)]);
+}
+
+std::vector<ImageId> ClusterTable::images_of(const ClusterEntry& entry) const {
+    std::vector<ImageId> images;
+    std::ranges::copy_if(entry.members, std::back_inserter(images),
+                         [&](ImageId image) { return !host_of_.contains(image); });
+    const auto members = static_cast<std::ptrdiff_t>(images.size());
+    images.insert(images.end(), entry.guests.begin(), entry.guests.end());
+    std::inplace_merge(images.begin(), images.begin() + members, images.end());
+    return images;
 }
 
 std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
@@ -106,8 +157,8 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
         return nullptr;
     }
     ClusterEntry& entry = found->second;
-    const bool usable = has_model(solution.model) && solution.topology >= entry.anew_topology &&
-                        covers(entry.members, *solution.model);
+    // Images that have left meanwhile are dropped when the model is loaded.
+    const bool usable = has_model(solution.model) && solution.topology >= entry.anew_topology;
     if (usable) {
         entry.material = solution.model;
         entry.material_state = solution.state;
@@ -135,6 +186,12 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
 bool ClusterTable::busy() const {
     return std::ranges::any_of(
         entries_, [](const auto& e) { return e.second.phase != ClusterPhase::kClean; });
+}
+
+void ClusterTable::restore_host(ImageId guest, ClusterId host) {
+    host_of_[guest] = host;
+    std::vector<ImageId>& guests = entries_.at(host).guests;
+    guests.insert(std::ranges::lower_bound(guests, guest), guest);
 }
 
 void ClusterTable::restore(ClusterEntry entry) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,8 @@ enum class ClusterPhase : std::uint8_t { kClean, kDirty, kSolving, kSolvingDirty
 struct ClusterEntry {
     ClusterId id{};
     std::vector<ImageId> members;  ///< ascending
+    /// Images of clusters below mu_min that are tried against this one (host_cluster), ascending.
+    std::vector<ImageId> guests;
     ClusterPhase phase = ClusterPhase::kClean;
     std::uint32_t topology = 0;                   ///< counts changes of membership, from 1
     std::uint32_t solved_topology = 0;            ///< topology of the published model
@@ -54,6 +57,13 @@ class ClusterTable {
     /// Takes over an edit; clusters below mu_min are clean at once.
     std::vector<ClusterChange> apply(const ClusteringEdit& edit);
 
+    /// Who is tried where from now on: an image and its host; nothing: it belongs to its own
+    /// cluster only. Clusters that get or lose a guest become dirty. @return these, ascending
+    std::vector<ClusterId> set_hosts(
+        std::span<const std::pair<ImageId, std::optional<ClusterId>>> hosts);
+    /// Guests of these clusters.
+    std::vector<ImageId> guests_of(std::span<const ClusterId> clusters) const;
+
     /// Dirty clusters that no solve is in flight for, ascending. They become kSolving.
     std::vector<const ClusterEntry*> take_dirty();
     /// Clean clusters with a model that has not settled. They become kSolving.
@@ -65,19 +75,26 @@ class ClusterTable {
 
     bool busy() const;  ///< something is dirty or being solved
     const std::map<ClusterId, ClusterEntry>& entries() const { return entries_; }
-    const ClusterEntry& of(ImageId image) const {
-        return entries_.at(cluster_of_[index_of(image)]);
-    }
+    /// The cluster that places an image: its host where it is a guest, else its own.
+    const ClusterEntry& of(ImageId image) const;
+    /// The images that a cluster places: members that are nobody's guests, and its own guests;
+    /// ascending.
+    std::vector<ImageId> images_of(const ClusterEntry& entry) const;
     std::size_t image_count() const { return cluster_of_.size(); }
     std::uint32_t coalesced() const { return coalesced_; }
 
     /// Puts a stored cluster back; dirty when its solution is not that of its topology.
     void restore(ClusterEntry entry);
+    /// A guest as it was; changes nothing else. REQUIRES: the host was restored
+    void restore_host(ImageId guest, ClusterId host);
 
   private:
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;
+    void make_dirty(ClusterEntry& entry);
+
     std::vector<ClusterId> cluster_of_;
+    std::map<ImageId, ClusterId> host_of_;  // of guests
     std::uint32_t coalesced_ = 0;
 };
 

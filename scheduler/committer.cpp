@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <set>
 
+#include "scheduler/describe_events.h"
 #include "scheduler/encode_state.h"
 #include "scheduler/make_problems.h"
+#include "stages/clustering/host_cluster.h"
 #include "stages/clustering/update_clustering.h"
 #include "stages/features/assign_camera.h"
 
@@ -15,23 +17,6 @@ namespace {
 
 double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-SessionEvent describe_change(const ClusterChange& change) {
-    SessionEvent event;
-    event.clusters.push_back(index_of(change.cluster));
-    for (const ClusterId other : change.others) event.clusters.push_back(index_of(other));
-    const std::string images = std::to_string(change.images) + " images";
-    if (change.kind == ClusterChange::Kind::kJoin) {
-        event.kind = SessionEvent::Kind::kJoin;
-        event.text = "clusters joined into cluster " + std::to_string(index_of(change.cluster)) +
-                     " of " + images + ", which is solved anew";
-    } else {
-        event.kind = SessionEvent::Kind::kSplit;
-        event.text = "images left cluster " + std::to_string(index_of(change.cluster)) +
-                     ", now of " + images + ", which is solved anew";
-    }
-    return event;
 }
 
 }  // namespace
@@ -162,10 +147,13 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     state_.counts.solves_skipped += static_cast<std::uint32_t>(
         untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
 
+    std::set<ClusterId> dirty;
+    for (const ClusterMembers& cluster : edit.changed) dirty.insert(cluster.id);
+    const std::vector<ClusterId> rehosted = update_hosts(touched, edit);
+    dirty.insert(rehosted.begin(), rehosted.end());
     std::vector<StoredCluster> changed;
-    changed.reserve(edit.changed.size());
-    for (const ClusterMembers& cluster : edit.changed)
-        changed.push_back(stored(state_.clusters.entries().at(cluster.id)));
+    changed.reserve(dirty.size());
+    for (const ClusterId id : dirty) changed.push_back(stored(state_.clusters.entries().at(id)));
     if (const auto done = store_->commit_pairs(image, pairs, changed, edit.removed); !done.ok())
         return done;
     PendingImage& pending = state_.pending[index_of(image)];
@@ -177,10 +165,34 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     return {};
 }
 
+std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
+                                               const ClusteringEdit& edit) {
+    const std::uint32_t mu_min = options_.solve.mu_min;
+    std::vector<ImageId> changed(touched.begin(), touched.end());
+    std::vector<ClusterId> clusters = edit.removed;
+    for (const MovedMembers& moved : edit.moved) {
+        changed.insert(changed.end(), moved.members.begin(), moved.members.end());
+    }
+    for (const ClusterMembers& cluster : edit.changed) {
+        clusters.push_back(cluster.id);
+        // A cluster that has just become large enough was in parts below mu_min before.
+        const bool is_new_host = state_.clusters.entries().at(cluster.id).revision == 0;
+        if (cluster.members.size() < mu_min || is_new_host) {
+            changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
+        }
+    }
+    const std::vector<ImageId> guests = state_.clusters.guests_of(clusters);
+    changed.insert(changed.end(), guests.begin(), guests.end());
+    std::vector<std::pair<ImageId, std::optional<ClusterId>>> hosts;
+    for (const ImageId image :
+         images_to_host_again(state_.view_graph, state_.clustering, changed, mu_min)) {
+        hosts.emplace_back(image,
+                           host_cluster(state_.view_graph, state_.clustering, image, mu_min));
+    }
+    return state_.clusters.set_hosts(hosts);
+}
+
 Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*/) {
-    SessionEvent event;
-    event.kind = SessionEvent::Kind::kSolve;
-    event.clusters = {index_of(message.problem->cluster)};
     ClusterSolution solution;
     if (message.solution->ok()) {
         solution = message.solution->value();
@@ -191,7 +203,6 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
         solution.model = message.problem->recycled ? message.problem->recycled
                                                    : std::make_shared<const Reconstruction>();
         solution.state = message.problem->recycled_state;
-        event.text = "solve failed: " + message.solution->error().message;
     }
     const SolveStatistics& statistics = solution.statistics;
     switch (statistics.kind) {
@@ -214,20 +225,8 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
             pending.report.solve_ms += statistics.milliseconds;
     }
     const ClusterEntry* entry = state_.clusters.finish(*message.problem, solution);
-    if (event.text.empty()) {
-        event.text = std::string(name_of(statistics.kind)) + ": " +
-                     std::to_string(solution.model->images.size()) + " of " +
-                     std::to_string(message.problem->images.size()) + " images, " +
-                     std::to_string(solution.model->points.size()) + " points" +
-                     (entry == nullptr ? "; the cluster has changed meanwhile" : "");
-    }
-    event.detail_json = "{\"kind\":\"" + std::string(name_of(statistics.kind)) +
-                        "\",\"milliseconds\":" + std::to_string(statistics.milliseconds) +
-                        ",\"full_adjustments\":" + std::to_string(statistics.full_adjustments) +
-                        ",\"local_adjustments\":" + std::to_string(statistics.local_adjustments) +
-                        ",\"removed_edges\":" + std::to_string(statistics.removed_edges) +
-                        ",\"mean_error_px\":" + std::to_string(statistics.mean_error_px) + "}";
-    events_.push_back(std::move(event));
+    events_.push_back(
+        describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;
     if (entry == nullptr) return {};
     StoredSolution stored_solution;
@@ -262,8 +261,13 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         auto shown = std::make_shared<SceneCluster>();
         shown->id = cluster.id;
         shown->revision = cluster.revision;
-        shown->members = entry->second.members;
+        shown->members = state_.clusters.images_of(entry->second);
         shown->model = cluster.model;
+        if (cluster.model && places_others_than(*cluster.model, shown->members)) {
+            // Guests that have a cluster of their own by now; the next solve leaves them out.
+            shown->model = std::make_shared<const Reconstruction>(
+                restricted_to(*cluster.model, shown->members));
+        }
         shown->world_from_cluster = placement->world_from_cluster;
         shown->effective_cluster = placement->effective_cluster;
         stored_version.placements.push_back({shown->id, shown->revision, shown->members,

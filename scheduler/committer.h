@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "graph/result.h"
@@ -49,6 +50,9 @@ class Committer {
 
     Result<void> reject(const ExtractedMessage& message, const std::string& reason,
                         std::uint64_t hash, CommitOutput& output);
+    /// Guests of large clusters after a change. @return clusters that got or lost one
+    std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
+                                        const ClusteringEdit& edit);
     void advance(CommitOutput& output);
     void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
     void count(const Scene& scene);

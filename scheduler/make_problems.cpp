@@ -18,13 +18,14 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->fix_intrinsics = config.fix_intrinsics;
     problem->settle = settle;
     problem->seed = config.seed;
-    for (const ImageId id : entry.members) {
+    const std::vector<ImageId> images = state.clusters.images_of(entry);
+    for (const ImageId id : images) {
         const Image& image = state.images[index_of(id)];
         problem->images.push_back(
             {id, image.camera, image.metadata.content_hash, state.keypoints[index_of(id)]});
         problem->cameras.emplace(image.camera, state.cameras.at(image.camera));
         for (const ViewGraph::Edge& edge : state.view_graph.edges(id)) {
-            if (edge.neighbor > id && std::ranges::binary_search(entry.members, edge.neighbor))
+            if (edge.neighbor > id && std::ranges::binary_search(images, edge.neighbor))
                 problem->pairs.push_back(edge.pair);
         }
     }
@@ -38,6 +39,7 @@ std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state
         problem->clusters.push_back({id, entry.revision, entry.model});
         if (!entry.model) continue;
         for (const RegisteredImage& image : entry.model->images) {
+            if (state.clusters.of(image.image).id != id) continue;
             for (const ViewGraph::Edge& edge : state.view_graph.edges(image.image)) {
                 const ClusterEntry& other = state.clusters.of(edge.neighbor);
                 if (id < other.id && other.model && other.model->find(edge.neighbor) != nullptr)

@@ -4,6 +4,7 @@
 
 #include "scheduler/encode_state.h"
 #include "scheduler/session_state.h"
+#include "stages/clustering/host_cluster.h"
 #include "stages/features/assign_camera.h"
 
 namespace psfm {
@@ -80,17 +81,13 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
         if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
             const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
             const std::shared_ptr<const Reconstruction>& model = (*solution)->model;
-            const bool covered =
-                std::ranges::all_of(model->images, [&](const RegisteredImage& image) {
-                    return std::ranges::binary_search(entry.members, image.image);
-                });
-            if (covered) {
-                entry.model = model;
-                entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
-                if (!model->empty() && entry.solved_topology >= entry.anew_topology) {
-                    entry.material = model;
-                    entry.material_state = solve_state.state;
-                }
+            // A model from before a split shows images that are elsewhere now.
+            const bool outdated = entry.solved_topology < entry.anew_topology;
+            if (!outdated || !places_others_than(*model, entry.members)) entry.model = model;
+            entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
+            if (!outdated && !model->empty()) {
+                entry.material = model;
+                entry.material_state = solve_state.state;
             }
         }
         state.clusters.restore(std::move(entry));
@@ -100,6 +97,12 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     auto clustering = restore_clustering(state.view_graph, members, *next, options.clustering);
     if (!clustering.ok()) return clustering.error();
     state.clustering = *std::move(clustering);
+    for (std::uint32_t i = 0; i < state.verified; ++i) {
+        const auto image = static_cast<ImageId>(i);
+        const auto host =
+            host_cluster(state.view_graph, state.clustering, image, options.solve.mu_min);
+        if (host) state.clusters.restore_host(image, *host);
+    }
     return {};
 }
 

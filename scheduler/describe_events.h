@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "graph/result.h"
+#include "scheduler/cluster_table.h"
+#include "scheduler/messages.h"
+
+namespace psfm {
+
+// What happened to a cluster, in a sentence and in fields for the log.
+
+SessionEvent describe_change(const ClusterChange& change);
+
+/// @param outcome    as the solve stage returned it: an error is told
+/// @param solution   what was made of it
+/// @param published  false: the cluster had changed meanwhile
+SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterSolution>& outcome,
+                            const ClusterSolution& solution, bool published);
+
+}  // namespace psfm
