@@ -178,6 +178,36 @@ TEST(ClusterTable, SettlesOnce) {
     EXPECT_EQ(table.take_dirty().size(), 1U);
 }
 
+TEST(ClusterTable, AGuestIsPlacedByItsHost) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {3}));
+    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    table.finish(solve.problem, solve.solution);
+    using Host = std::pair<ImageId, std::optional<ClusterId>>;
+    EXPECT_EQ(table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}), std::vector{cluster(0)});
+    EXPECT_TRUE(table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}).empty())
+        << "nothing new";
+    EXPECT_EQ(table.of(image(3)).id, cluster(0));
+    EXPECT_EQ(table.images_of(table.entries().at(cluster(0))), images({0, 1, 2, 3}));
+    EXPECT_TRUE(table.images_of(table.entries().at(cluster(1))).empty());
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U) << "the host tries its guest";
+    EXPECT_EQ(dirty.front()->material, solve.solution.model) << "and keeps what it has";
+    const Solve with_guest = solve_of(*dirty.front(), images({0, 1, 2, 3}));
+    EXPECT_NE(table.finish(with_guest.problem, with_guest.solution), nullptr);
+
+    // The guest's own cluster grows up: the host is solved again without it, and not anew.
+    table.apply(members(1, {3, 4, 5}));
+    EXPECT_EQ(table.set_hosts(std::vector<Host>{{image(3), std::nullopt}}),
+              std::vector{cluster(0)});
+    EXPECT_EQ(table.of(image(3)).id, cluster(1));
+    const auto both = table.take_dirty();
+    ASSERT_EQ(both.size(), 2U);
+    EXPECT_EQ(both.front()->material, with_guest.solution.model);
+    EXPECT_EQ(table.images_of(*both.front()), images({0, 1, 2}));
+}
+
 TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
     ClusterTable table(kMuMin);
     ClusterEntry clean;
