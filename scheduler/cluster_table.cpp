@@ -61,7 +61,7 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
     return changes;
 }
 
-void ClusterTable::make_dirty(ClusterEntry& entry) {
+void ClusterTable::make_dirty(ClusterEntry& entry) const {
     entry.settled = false;
     const bool in_flight =
         entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;

@@ -91,7 +91,7 @@ class ClusterTable {
   private:
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;
-    void make_dirty(ClusterEntry& entry);
+    void make_dirty(ClusterEntry& entry) const;
 
     std::vector<ClusterId> cluster_of_;
     std::map<ImageId, ClusterId> host_of_;  // of guests
