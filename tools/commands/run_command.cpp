@@ -161,7 +161,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
         ->check(CLI::IsMember({"auto", "image", "folder", "all"}));
     command
         ->add_option("--preset", arguments->preset,
-                     "default, or paper: parameters and formulas exactly as published")
+                     "default, or paper: the clustering distance exactly as published")
         ->check(CLI::IsMember({"default", "paper"}));
     command->add_option("--vocabulary", arguments->vocabulary,
                         "Vocabulary made by `psfm vocabulary train`; without one it is trained "
