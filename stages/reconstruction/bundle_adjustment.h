@@ -20,8 +20,8 @@ struct AdjustmentOptions {
     /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
     /// accurate.
     double function_tolerance = 1e-6;
-    /// Images above which the reduced camera system is solved sparse instead of dense. Ours, from
-    /// timings of both at 20 to 200 images on quad-streams.
+    /// Images above which the reduced camera system is solved sparse instead of dense. Ours, a
+    /// guess that no measurement stands behind yet.
     std::uint32_t dense_up_to_images = 60;
     /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
     /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes
