@@ -3,9 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
 
 #include "graph/result.h"
 #include "tests/synthetic/render.h"
+#include "tests/synthetic/scene.h"
 
 namespace psfm::synthetic {
 
@@ -13,5 +16,10 @@ namespace psfm::synthetic {
 /// images from 1, poses cam_from_world, no points. Numbers round-trip exactly.
 /// @errors kIo (names the file)
 Result<void> write_colmap_truth(const PhotoPlan& plan, const std::filesystem::path& folder);
+
+/// The same of a scene: camera c has id c + 1, image i id i + 1.
+/// REQUIRES: as many names as images. @errors kIo (names the file)
+Result<void> write_colmap_truth(const SyntheticScene& scene, std::span<const std::string> names,
+                                const std::filesystem::path& folder);
 
 }  // namespace psfm::synthetic

@@ -9,28 +9,10 @@
 #include "tests/synthetic/camera_path.h"
 #include "tests/synthetic/point_grid.h"
 #include "tests/synthetic/rng.h"
+#include "tests/synthetic/scene_feature.h"
 
 namespace psfm::synthetic {
 namespace {
-
-/// Uniform in [0, 1) as a function of its arguments alone, so that one choice does not shift
-/// another.
-double chance(std::uint64_t seed, std::uint64_t value) {
-    return static_cast<double>(mix_seed(seed, value) >> 11U) * 0x1.0p-53;
-}
-
-/// Largest distance from the axis that the image shows, in normalised coordinates. Beyond it strong
-/// distortion folds back into the image.
-double field_of_view(const Camera& camera) {
-    double radius = 0.0;
-    const double w = camera.width;
-    const double h = camera.height;
-    for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 0), Eigen::Vector2d(w, 0),
-                                          Eigen::Vector2d(0, h), Eigen::Vector2d(w, h)}) {
-        radius = std::max(radius, normalized_from_pixel(camera, corner).norm());
-    }
-    return radius;
-}
 
 bool faces(const SurfacePoint& point, const Eigen::Vector3d& centre,
            const VisibilityOptions& options, double min_cosine) {
@@ -38,22 +20,6 @@ bool faces(const SurfacePoint& point, const Eigen::Vector3d& centre,
     const double distance = to_camera.norm();
     return distance > 0.0 && distance <= options.max_distance &&
            to_camera.dot(point.normal) >= min_cosine * distance;
-}
-
-Keypoint make_keypoint(const Eigen::Vector2d& pixel, double pixels_per_metre,
-                       std::uint64_t point_seed) {
-    Keypoint keypoint;
-    keypoint.x = static_cast<float>(pixel.x());
-    keypoint.y = static_cast<float>(pixel.y());
-    // Blobs of 5 to 50 mm.
-    const double size = 0.005 * std::pow(10.0, chance(point_seed, 0));
-    keypoint.scale = static_cast<float>(size * pixels_per_metre);
-    keypoint.angle = static_cast<float>(2.0 * std::numbers::pi * chance(point_seed, 1));
-    const std::uint64_t colour = mix_seed(point_seed, 2);
-    keypoint.red = static_cast<std::uint8_t>(colour);
-    keypoint.green = static_cast<std::uint8_t>(colour >> 8U);
-    keypoint.blue = static_cast<std::uint8_t>(colour >> 16U);
-    return keypoint;
 }
 
 void observe(const SyntheticScene& scene, const PointGrid& grid, const VisibilityOptions& options,
@@ -67,17 +33,10 @@ void observe(const SyntheticScene& scene, const PointGrid& grid, const Visibilit
         if (options.max_features && seen.size() >= *options.max_features) break;
         const SurfacePoint& point = scene.points[index];
         if (!faces(point, centre, options, min_cosine)) continue;
-        const Eigen::Vector3d in_cam = image.cam_from_world * point.position;
-        if (in_cam.z() <= 0.0 || in_cam.head<2>().norm() > limit * in_cam.z()) continue;
-        const std::optional<Eigen::Vector2d> pixel = project(camera, in_cam);
-        if (!pixel || pixel->minCoeff() < 0.0 || pixel->x() >= camera.width ||
-            pixel->y() >= camera.height) {
-            continue;
-        }
-        if (chance(image_seed, index) >= options.detection_rate) continue;
-        const double pixels_per_metre = camera.mean_focal() / in_cam.z();
-        seen.emplace_back(make_keypoint(*pixel, pixels_per_metre, mix_seed(scene.seed, index)),
-                          index);
+        const std::optional<Keypoint> feature = feature_of(
+            camera, limit, image.cam_from_world, point.position, mix_seed(scene.seed, index));
+        if (!feature || chance(image_seed, index) >= options.detection_rate) continue;
+        seen.emplace_back(*feature, index);
     }
     std::ranges::stable_sort(seen, std::ranges::greater{},
                              [](const auto& feature) { return feature.first.scale; });
