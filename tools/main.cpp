@@ -37,6 +37,7 @@ int run(int argc, char** argv) {
     psfm::add_evaluate_command(app, exit_code);
     psfm::add_check_command(app, exit_code);
     psfm::add_vocabulary_command(app, exit_code);
+    psfm::add_simulate_command(app, exit_code);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

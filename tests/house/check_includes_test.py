@@ -52,6 +52,17 @@ class CheckIncludes(unittest.TestCase):
     def test_storage_knows_no_stage(self):
         self.assert_found("storage/a.cpp", '#include "stages/merge/merge.h"\n', "may not include stages/")
 
+    def test_only_simulate_includes_generators(self):
+        self.write("tests/synthetic/scene.h", "#pragma once\n")
+        self.write("tests/other/scene.h", "#pragma once\n")
+        self.write("tools/commands/simulate_command.cpp", '#include "tests/synthetic/scene.h"\n')
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found("tools/commands/run_command.cpp", '#include "tests/synthetic/scene.h"\n',
+                          "may not include tests/")
+        self.write("tools/commands/run_command.cpp", "")
+        self.assert_found("tools/commands/simulate_command.cpp", '#include "tests/other/scene.h"\n',
+                          "may not include tests/")
+
     def test_stage_knows_no_store(self):
         self.assert_found("stages/merge/a.cpp", '#include "storage/store.h"\n', "may not include storage/")
 

@@ -144,6 +144,7 @@ std::vector<std::size_t> interleaved_order(const std::vector<std::uint32_t>& ima
     }
     std::ranges::sort(taken);
     std::vector<std::size_t> order;
+    order.reserve(taken.size());
     for (const auto& [time, image] : taken) order.push_back(image);
     return order;
 }

@@ -49,6 +49,7 @@ VerifiedPair explain_pair(const LookAlikeScene& scene, const LookAlikeIndex& ind
     geometry.cam2_from_cam1 = pair.cam2_from_cam1;
 
     std::vector<double> parallaxes;
+    parallaxes.reserve(pair.matches.size());
     for (const FeatureMatch& match : pair.matches) {
         parallaxes.push_back(parallax(pair.cam2_from_cam1, points_of(index, pair.pair, match)));
     }

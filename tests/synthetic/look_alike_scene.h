@@ -66,7 +66,7 @@ struct TempleOptions {
 struct CourtyardOptions {
     std::uint32_t images = 600;
     std::uint32_t users = 8;
-    double points_per_metre = 160.0;  ///< of facade
+    double points_per_metre = 100.0;  ///< of facade
     double repeated_part = 0.4;       ///< of the points on the facades that repeat
     double noise_px = 0.5;
 };

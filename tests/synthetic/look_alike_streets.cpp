@@ -46,7 +46,7 @@ std::vector<Facade> build_facades(const StreetsOptions& options, const Town& tow
     FacadeOptions facade;
     facade.width = Town::kBlock;
     facade.points_per_metre = options.points_per_metre;
-    const std::vector<TownSide> sides = town.sides();
+    const std::vector<TownSide>& sides = town.sides();
     // The first of a random order are copies, each of one of the others.
     const std::vector<std::size_t> order = random_order(sides.size(), rng.bits());
     const auto copies = std::min<std::size_t>(
