@@ -45,8 +45,8 @@ class ColmapDatabase {
     ColmapDatabase(const ColmapDatabase&) = delete;
     ColmapDatabase& operator=(const ColmapDatabase&) = delete;
 
-    /// Ascending by name, bytewise; names are unique and relative paths without ".." or control
-    /// characters.
+    /// Ascending by name, bytewise; names are unique and relative paths without "..", of UTF-8
+    /// without control characters.
     const std::vector<DatabaseImage>& images() const { return images_; }
     /// By database id. prior_focal_length gives kExif, otherwise kUnknown.
     const std::map<std::uint32_t, Camera>& cameras() const { return cameras_; }

@@ -10,6 +10,7 @@
 
 #include "storage/exchange/colmap_database.h"
 #include "storage/exchange/database_blocks.h"
+#include "storage/exchange/image_name.h"
 #include "storage/exchange/output_file.h"
 #include "storage/exchange/sqlite_statement.h"
 
@@ -251,7 +252,7 @@ Result<void> ColmapDatabaseWriter::Connection::write_image(const Image& value,
     if (!cameras.contains(camera_id)) {
         return refused(value.name + ": its camera was not added before it");
     }
-    if (const auto problem = colmap::problem_of_name(value.name)) {
+    if (const auto problem = problem_of_name(value.name)) {
         return refused("the name of image " + std::to_string(id) + " " + *problem);
     }
     if (rows.rows() != 0 && rows.rows() != places.size()) {

@@ -2,36 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/exchange/database_blocks.h"
 
-#include <filesystem>
-
 #include "storage/exchange/sqlite_file.h"
 
 namespace psfm::colmap {
-namespace {
-
-/// Longest path that Linux opens.
-constexpr std::size_t kMaxNameLength = 4096;
-
-}  // namespace
 
 std::optional<std::pair<std::uint32_t, std::uint32_t>> images_of_pair(std::int64_t key) {
     const std::int64_t first = key / kMaxImages;
     const std::int64_t second = key % kMaxImages;
     if (key < 0 || first == 0 || first >= second) return std::nullopt;
     return std::pair(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second));
-}
-
-std::optional<std::string> problem_of_name(std::string_view name) {
-    if (name.empty()) return "is empty";
-    if (name.size() > kMaxNameLength) return "is longer than a path can be";
-    for (const char character : name) {
-        const auto byte = static_cast<unsigned char>(character);
-        if (byte < 0x20 || byte == 0x7f) return "has control characters";
-    }
-    const std::filesystem::path path(name);
-    if (path.is_absolute()) return "is an absolute path";
-    if (std::ranges::find(path, "..") != path.end()) return "leads out of the photograph folder";
-    return std::nullopt;
 }
 
 Result<BlockReader> BlockReader::make(SqliteConnection& database, const std::string& table,

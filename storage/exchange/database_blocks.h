@@ -16,7 +16,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,10 +45,6 @@ constexpr std::int64_t pair_key(std::uint32_t first, std::uint32_t second) {
 }
 /// The images of a key, first < second; nothing when it is no pair's.
 std::optional<std::pair<std::uint32_t, std::uint32_t>> images_of_pair(std::int64_t key);
-
-/// What is wrong with an image's name, in words; nothing when it is a relative path without ".."
-/// and without control characters.
-std::optional<std::string> problem_of_name(std::string_view name);
 
 template <typename T>
 T little_endian_at(std::span<const std::byte> bytes, std::size_t index) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "storage/exchange/database_blocks.h"
+#include "storage/exchange/image_name.h"
 #include "storage/exchange/read_colmap_parts.h"
 #include "storage/exchange/sqlite_file.h"
 

@@ -150,10 +150,11 @@ Result<SqliteStatement> SqliteConnection::prepare(const std::string& sql) {
 }
 
 Result<void> SqliteConnection::close() {
-    const int code = sqlite3_close(database_.get());
-    if (code != SQLITE_OK) return error(code);
-    static_cast<void>(database_.release());
-    return {};
+    sqlite3* database = database_.release();
+    const int code = sqlite3_close(database);
+    if (code == SQLITE_OK) return {};
+    database_.reset(database);
+    return error(code);
 }
 
 Error SqliteConnection::error(int code) const {

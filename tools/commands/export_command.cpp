@@ -13,10 +13,13 @@
 #include "storage/exchange/write_models.h"
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/export_database.h"
 #include "tools/commands/report_error.h"
 
 namespace psfm {
 namespace {
+
+constexpr int kUsageError = 2;
 
 struct ExportArguments {
     std::string session;
@@ -48,8 +51,14 @@ void print_summary(const std::vector<ExportedModel>& models,
 }
 
 int run_export(const ExportArguments& arguments) {
+    if (arguments.format == kDatabaseFormat) {
+        if (!arguments.after_image) return export_database(arguments.session, arguments.output);
+        std::cerr << "psfm: --after-image is about models, and a database has none: leave it out, "
+                     "or choose another format\n";
+        return kUsageError;
+    }
     const auto format = export_format_from_name(arguments.format);
-    if (!format) return 2;  // the option's check has refused it already
+    if (!format) return kUsageError;  // the option's check has refused it already
     const auto session = open_session_reader(arguments.session, StoreOptions{});
     if (!session) return report_error(session.error());
     const auto scene = scene_to_export(**session, arguments);
@@ -81,18 +90,20 @@ int run_export(const ExportArguments& arguments) {
 }  // namespace
 
 void add_export_command(CLI::App& app, int& exit_code) {
-    CLI::App* command =
-        app.add_subcommand("export", "Write the model of a session for other programs");
+    CLI::App* command = app.add_subcommand(
+        "export", "Write a session's model, or its features and matches, for other programs");
     const auto arguments = std::make_shared<ExportArguments>();
     command
         ->add_option("--session", arguments->session, "the session; it may be in use by `psfm run`")
         ->required()
         ->type_name("DIR");
-    const auto names = export_format_names();
+    const auto models = export_format_names();
+    std::vector<std::string> names(models.begin(), models.end());
+    names.emplace_back(kDatabaseFormat);
     command->add_option("--format", arguments->format, "what to write")
         ->required()
         ->type_name("FORMAT")
-        ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
+        ->check(CLI::IsMember(names));
     command->add_option("--output", arguments->output, "folder to write into; made if need be")
         ->required()
         ->type_name("DIR");
@@ -109,12 +120,17 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "  bundler              OUTPUT/0/bundle.out and list.txt, ...\n"
         "  nerfstudio           OUTPUT/0/transforms.json and sparse_pc.ply, ...: also instant-ngp\n"
         "  gltf                 OUTPUT/0.gltf and 0.bin, ...: Blender and web viewers\n"
+        "No model, but what models are made of:\n"
+        "  colmap-database      OUTPUT/database.db: cameras, images, features and verified "
+        "matches,\n"
+        "                       for `colmap mapper` and its friends\n"
         "An earlier export in the same folder is replaced as a whole; other files there are left "
         "alone.\n"
         "\n"
         "Examples:\n"
         "  psfm export --session my-session --format colmap --output exported\n"
-        "  psfm export --session my-session --format ply --output early --after-image 20");
+        "  psfm export --session my-session --format ply --output early --after-image 20\n"
+        "  psfm export --session my-session --format colmap-database --output for-colmap");
     command->callback([arguments, &exit_code] { exit_code = run_export(*arguments); });
 }
 

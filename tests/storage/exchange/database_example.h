@@ -46,6 +46,8 @@ inline DatabaseContents random_contents(std::uint32_t images, std::uint64_t seed
         Image image;
         image.id = ImageId{i};
         image.camera = CameraId{i % 5};
+        image.metadata.width = contents.cameras.at(image.camera).width;
+        image.metadata.height = contents.cameras.at(image.camera).height;
         image.name = "folder " + std::to_string(rng.below(1000)) + "/b'ü" + std::to_string(i);
         contents.images.push_back(image);
         Keypoints keypoints(20 + rng.below(30));

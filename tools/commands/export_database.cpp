@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/export_database.h"
+
+#include <unistd.h>
+
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/previous_export.h"
+#include "storage/session_store.h"
+#include "tools/commands/report_error.h"
+
+namespace psfm {
+namespace {
+
+/// "done/count what" on a line of stderr that is rewritten, when that is a terminal.
+class CountLine {
+  public:
+    CountLine(const char* what, std::size_t count) : what_(what), count_(count) {}
+    CountLine(const CountLine&) = delete;
+    CountLine& operator=(const CountLine&) = delete;
+    ~CountLine() {
+        if (terminal_) std::cerr << "\r\x1b[K" << std::flush;
+    }
+    void advance() {
+        ++done_;
+        if (terminal_) std::cerr << "\r\x1b[K" << done_ << '/' << count_ << what_ << std::flush;
+    }
+
+  private:
+    const char* what_;
+    std::size_t count_;
+    std::size_t done_ = 0;
+    bool terminal_ = isatty(STDERR_FILENO) == 1;
+};
+
+/// A failure, and what to blame.
+struct Failure {
+    Error error;
+    ErrorOrigin origin;
+};
+
+Failure of_session(const Error& error) {
+    return {error, ErrorOrigin::kSession};
+}
+
+Failure of_output(const Error& error) {
+    return {error, ErrorOrigin::kOtherInput};
+}
+
+struct Totals {
+    std::size_t features = 0;
+    std::size_t pairs = 0;
+    std::size_t matches = 0;
+};
+
+struct Contents {
+    std::vector<Image> images;
+    std::map<CameraId, Camera> cameras;
+};
+
+std::optional<Failure> write_images(const SessionReader& session, const Contents& contents,
+                                    ColmapDatabaseWriter& writer, Totals& totals) {
+    for (const auto& [id, camera] : contents.cameras) {
+        if (auto done = writer.add_camera(id, camera); !done) return of_output(done.error());
+    }
+    CountLine line(" images written", contents.images.size());
+    for (const Image& image : contents.images) {
+        const auto keypoints = session.keypoints(image.id);
+        if (!keypoints) return of_session(keypoints.error());
+        const auto descriptors = session.descriptors(image.id);
+        if (!descriptors) return of_session(descriptors.error());
+        auto done = writer.add_image(image, **keypoints, **descriptors);
+        if (!done) return of_output(done.error());
+        totals.features += (*keypoints)->size();
+        line.advance();
+    }
+    return std::nullopt;
+}
+
+std::optional<Failure> write_pairs(const SessionReader& session, const Contents& contents,
+                                   ColmapDatabaseWriter& writer, Totals& totals) {
+    const auto verified = session.verified_image_count();
+    if (!verified) return of_session(verified.error());
+    const auto camera_of = [&](ImageId image) -> const Camera& {
+        return contents.cameras.at(contents.images[index_of(image)].camera);
+    };
+    CountLine line(" images with their pairs written", *verified);
+    for (std::uint32_t i = 0; i < *verified; ++i) {
+        const auto pairs = session.pairs_of(ImageId{i});
+        if (!pairs) return of_session(pairs.error());
+        for (const VerifiedPairPtr& pair : *pairs) {
+            if (index_of(pair->pair.second) >= contents.images.size()) {
+                return of_session(
+                    {ErrorCode::kDamaged, "the session has a pair of image " +
+                                              std::to_string(index_of(pair->pair.second)) +
+                                              ", which it lacks; `psfm check` lists all damage"});
+            }
+            auto done =
+                writer.add_pair(*pair, camera_of(pair->pair.first), camera_of(pair->pair.second));
+            if (!done) return of_output(done.error());
+            totals.matches += pair->geometry.inliers.size();
+        }
+        totals.pairs += pairs->size();
+        line.advance();
+    }
+    return std::nullopt;
+}
+
+/// What only psfm wrote is replaced.
+Result<void> check_output(const std::filesystem::path& file, const PreviousExport& previous) {
+    std::error_code ignored;
+    const auto folder = file.parent_path();
+    if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     folder.string() + " is a file: choose another output folder"};
+    }
+    if (std::filesystem::exists(file, ignored) && !previous.wrote(file)) {
+        return Error{
+            ErrorCode::kInvalidArgument,
+            file.string() + " was not written by psfm: choose another output folder, or remove it"};
+    }
+    return {};
+}
+
+std::optional<Failure> write_database(const SessionReader& session, const Contents& contents,
+                                      const std::filesystem::path& file, Totals& totals) {
+    auto previous = PreviousExport::read(file.parent_path());
+    if (!previous) return of_output(previous.error());
+    if (auto checked = check_output(file, *previous); !checked) return of_output(checked.error());
+    previous->add(file);
+    StagedFiles files;  // outlives the writer: the folder goes when nothing is left in it
+    if (auto staged = previous->stage(files); !staged) return of_output(staged.error());
+    const auto writer = ColmapDatabaseWriter::create(file);
+    if (!writer) return of_output(writer.error());
+    if (auto failure = write_images(session, contents, **writer, totals)) return failure;
+    if (auto failure = write_pairs(session, contents, **writer, totals)) return failure;
+    // The list comes first: should the machine stop here, the database is no stranger.
+    if (auto committed = files.commit(); !committed) return of_output(committed.error());
+    if (auto done = (*writer)->finish(); !done) return of_output(done.error());
+    return std::nullopt;
+}
+
+}  // namespace
+
+int export_database(const std::string& session, const std::filesystem::path& folder) {
+    const auto reader = open_session_reader(session, StoreOptions{});
+    if (!reader) return report_error(reader.error());
+    auto images = (*reader)->images();
+    if (!images) return report_error(images.error());
+    auto cameras = (*reader)->cameras();
+    if (!cameras) return report_error(cameras.error());
+    if (images->empty()) {
+        return report_error({ErrorCode::kNotFound, session +
+                                                       ": the session has no images yet; `psfm "
+                                                       "status` says what it has seen"});
+    }
+    const Contents contents{*std::move(images), *std::move(cameras)};
+    const std::filesystem::path file = folder / "database.db";
+    Totals totals;
+    if (const auto failure = write_database(**reader, contents, file, totals)) {
+        return report_error(failure->error, failure->origin);
+    }
+    std::cout << file.string() << ": " << contents.images.size() << " images of "
+              << contents.cameras.size() << " cameras, " << totals.features << " features, "
+              << totals.pairs << " verified pairs, " << totals.matches << " matches\n"
+              << std::flush;
+    return 0;
+}
+
+}  // namespace psfm
