@@ -37,10 +37,12 @@ struct TwoViewGeometry {
     /// guess.
     Rigid3 cam2_from_cam1;
     double median_angle_deg = 0.0;      ///< median triangulation angle of the inliers
+    /// Part of the features that both images should show which was matched, 0 to 1; 0: unknown.
+    double match_density = 0.0;
     std::vector<FeatureMatch> inliers;  ///< ascending; each feature at most once a side
 };
 
-/// An edge of the view graph: never filtered, never changed.
+/// What verification found of a pair: kept for ever, whether it is an edge at present or not.
 struct VerifiedPair {
     ImagePair pair;
     TwoViewGeometry geometry;

@@ -24,6 +24,17 @@ void ViewGraph::add_edge(ImageId a, ImageId b, double weight, VerifiedPairPtr pa
     ++edge_count_;
 }
 
+void ViewGraph::remove_edge(ImageId a, ImageId b) {
+    assert(find(a, b) != nullptr);
+    const auto remove = [&](ImageId from, ImageId to) {
+        std::vector<Edge>& edges = adjacency_[index_of(from)];
+        edges.erase(std::ranges::lower_bound(edges, to, {}, &Edge::neighbor));
+    };
+    remove(a, b);
+    remove(b, a);
+    --edge_count_;
+}
+
 const ViewGraph::Edge* ViewGraph::find(ImageId a, ImageId b) const {
     const std::vector<Edge>& edges = adjacency_[index_of(a)];
     const auto found = std::ranges::lower_bound(edges, b, {}, &Edge::neighbor);

@@ -12,8 +12,9 @@
 
 namespace psfm {
 
-/// All verified pairs of a session (paper sec. "Progressive Viewgraph"). Nodes are images 0 …
-/// size-1; edges are only ever added. Not thread-safe: owned by one serial node.
+/// The verified pairs of a session that are plausible at present (paper sec. "Progressive
+/// Viewgraph"; which ones: select_edges). Nodes are images 0 … size-1. Not thread-safe: owned by
+/// one serial node.
 class ViewGraph {
   public:
     struct Edge {
@@ -30,6 +31,9 @@ class ViewGraph {
 
     /// REQUIRES: both images are nodes, a != b, no such edge yet, weight > 0.
     void add_edge(ImageId a, ImageId b, double weight, VerifiedPairPtr pair = nullptr);
+
+    /// REQUIRES: the images are connected.
+    void remove_edge(ImageId a, ImageId b);
 
     /// Neighbours of an image, ascending by id.
     std::span<const Edge> edges(ImageId image) const { return adjacency_[index_of(image)]; }

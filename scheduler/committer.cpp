@@ -130,15 +130,10 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     if (!message.pairs->ok()) return message.pairs->error();
     const auto start = Clock::now();
     const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
-    const ImageId image = state_.view_graph.add_node();
+    const ImageId image = message.image;
     ++state_.verified;
-    std::vector<ImageId> touched{image};
-    for (const VerifiedPairPtr& pair : pairs) {
-        const double weight = edge_weight(pair->geometry, options_.edge_weight);
-        if (weight <= 0.0) continue;
-        state_.view_graph.add_edge(pair->pair.first, pair->pair.second, weight, pair);
-        touched.push_back(pair->pair.first == image ? pair->pair.second : pair->pair.first);
-    }
+    const std::vector<ImageId> touched =
+        select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges);
     const ClusteringEdit edit =
         update_clustering(state_.clustering, state_.view_graph, touched, options_.clustering);
     const std::size_t untouched = state_.clusters.entries().size();

@@ -47,17 +47,13 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     return {};
 }
 
-Result<void> restore_view_graph(const SessionReader& store, const EdgeWeightOptions& options,
+Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionOptions& options,
                                 SessionState& state) {
     for (std::uint32_t i = 0; i < state.verified; ++i) {
-        const ImageId image = state.view_graph.add_node();
+        const auto image = static_cast<ImageId>(i);
         const auto pairs = store.pairs_of(image);
         if (!pairs.ok()) return pairs.error();
-        for (const VerifiedPairPtr& pair : *pairs) {
-            const double weight = edge_weight(pair->geometry, options);
-            if (weight > 0.0)
-                state.view_graph.add_edge(pair->pair.first, pair->pair.second, weight, pair);
-        }
+        select_edges(state.edges, state.view_graph, image, *pairs, options);
     }
     return {};
 }
@@ -112,8 +108,7 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
                                         const StageOptions& options) {
     RestoredSession restored{SessionState(options.solve.mu_min), {}, {}};
     if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
-    if (const auto done = restore_view_graph(store, options.edge_weight, restored.state);
-        !done.ok())
+    if (const auto done = restore_view_graph(store, options.edges, restored.state); !done.ok())
         return done.error();
     if (const auto done = restore_clusters(store, options, restored.state); !done.ok())
         return done.error();

@@ -12,6 +12,7 @@
 
 #include "scheduler/admission.h"
 #include "scheduler/committer.h"
+#include "scheduler/front_end.h"
 #include "scheduler/session_graph.h"
 #include "scheduler/session_state.h"
 
@@ -76,6 +77,23 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
     return sequence;
 }
 
+Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
+                                                 const SessionConfig& config,
+                                                 const StageOptions& options,
+                                                 const SessionState& state,
+                                                 tbb::task_arena& arena) {
+    FrontEndParts parts{&store, &options, config.seed, {}};
+    for (std::uint32_t i = 0; i < state.verified; ++i)
+        parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera)});
+    Result<std::unique_ptr<FrontEnd>> front_end = Error{};
+    arena.execute([&] {
+        front_end = config.colmap_database.empty()
+                        ? make_photograph_front_end(parts, config.vocabulary_file)
+                        : make_database_front_end(parts, config.colmap_database);
+    });
+    return front_end;
+}
+
 }  // namespace
 
 Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
@@ -87,39 +105,34 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     if (!restored.ok()) return restored.error();
 
     const SeenPhotos seen(*restored);
-    SessionGraph::Parts parts;
-    for (std::uint32_t i = 0; i < restored->state.verified; ++i) {
-        const Image& image = restored->state.images[i];
-        parts.verified_images.push_back(
-            {image.id, restored->state.cameras.at(image.camera), image.metadata.content_hash});
-    }
-    Committer committer(store, config, *options, std::move(restored->state));
     const int threads = execution.threads > 0
                             ? execution.threads
                             : static_cast<int>(std::thread::hardware_concurrency());
     // The thread that feeds the graph sleeps most of the time: it has a slot of its own beside the
     // workers'.
     tbb::task_arena arena(threads + 1, 1);
+    auto front_end = make_front_end(store, config, *options, restored->state, arena);
+    if (!front_end.ok()) return front_end.error();
+    SessionGraph::Parts parts;
+    parts.committed_images = restored->state.verified;
+    Committer committer(store, config, *options, std::move(restored->state));
     Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
     Admission image_tokens(config.deterministic ? 1
                            : config.batch       ? std::numeric_limits<int>::max()
                                                 : execution.images_in_flight);
-    parts.store = &store;
     parts.options = &*options;
-    parts.seed = config.seed;
+    parts.front_end = front_end->get();
     parts.committer = &committer;
     parts.observer = &observer;
     parts.stop = &stop;
     parts.photo_tokens = &photo_tokens;
     parts.image_tokens = &image_tokens;
-    parts.vocabulary_file = config.vocabulary_file;
-    auto graph = SessionGraph::create(parts, arena);
-    if (!graph.ok()) return graph.error();
+    SessionGraph graph(parts, arena);
 
     const std::uint64_t photos_put =
-        feed(**graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
-    if (!stop.load()) (*graph)->end_of_photos(photos_put);
-    if (const auto done = (*graph)->wait(); !done.ok()) return done.error();
+        feed(graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
+    if (!stop.load()) graph.end_of_photos(photos_put);
+    if (const auto done = graph.wait(); !done.ok()) return done.error();
 
     SessionRun run;
     run.interrupted = stop.load();

@@ -58,7 +58,8 @@ struct SessionRun {
 /// everything is solved, or `stop` is set: then commits under way are finished, and the rest is
 /// left for the next run. Photographs that the session has (by name), or has rejected and that have
 /// not changed, are skipped.
-/// @errors those of the store and of retrieval (vocabulary file); the store stays consistent
+/// @errors those of the store and of the front end (vocabulary file, database); the store stays
+/// consistent
 Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
                                const ExecutionOptions& execution, PhotoSource& photos,
                                SessionObserver& observer, const std::atomic<bool>& stop);

@@ -14,7 +14,8 @@ json encode_camera(const Camera& camera) {
     return {{"model", std::string(model_name(camera.model))},
             {"width", camera.width},
             {"height", camera.height},
-            {"params", camera.params}};
+            {"params", camera.params},
+            {"focal_source", static_cast<int>(camera.focal_source)}};
 }
 
 Result<Camera> decode_camera(const json& object) {
@@ -25,7 +26,11 @@ Result<Camera> decode_camera(const json& object) {
     camera.width = object.at("width").get<std::uint32_t>();
     camera.height = object.at("height").get<std::uint32_t>();
     camera.params = object.at("params").get<std::array<double, 8>>();
-    camera.focal_source = FocalSource::kGiven;
+    // Settings of format 1 without the field hold cameras given by the user only.
+    const int source = object.value("focal_source", static_cast<int>(FocalSource::kGiven));
+    if (source < 0 || source > static_cast<int>(FocalSource::kEstimated))
+        return Error{ErrorCode::kDamaged, "settings name an unknown source of a focal length"};
+    camera.focal_source = static_cast<FocalSource>(source);
     if (const auto valid = validate(camera); !valid.ok()) return valid.error();
     return camera;
 }
@@ -36,6 +41,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
     StageOptions options;
     if (config.preset == "paper") {
         options.clustering.form = JaccardForm::kLiteral;
+        options.edges.min_relative_plausibility = 0.0;
     } else if (config.preset != "default") {
         return Error{ErrorCode::kInvalidArgument,
                      "unknown preset '" + config.preset + "'; there are default and paper"};
@@ -57,6 +63,7 @@ std::string encode_config(const SessionConfig& config) {
                 {"batch", config.batch},
                 {"seed", config.seed},
                 {"vocabulary", config.vocabulary_file},
+                {"colmap_database", config.colmap_database},
                 {"order", config.order}}
         .dump();
 }
@@ -84,6 +91,7 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.batch = object.at("batch").get<bool>();
         config.seed = object.at("seed").get<std::uint64_t>();
         config.vocabulary_file = object.at("vocabulary").get<std::string>();
+        config.colmap_database = object.value("colmap_database", "");
         config.order = object.at("order").get<std::vector<std::string>>();
     } catch (const json::exception&) {
         return Error{ErrorCode::kDamaged, "the session's settings are damaged"};

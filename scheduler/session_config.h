@@ -11,7 +11,7 @@
 #include "graph/camera.h"
 #include "graph/result.h"
 #include "stages/clustering/clustering_options.h"
-#include "stages/clustering/edge_weight.h"
+#include "stages/clustering/select_edges.h"
 #include "stages/features/assign_camera.h"
 #include "stages/features/feature_options.h"
 #include "stages/merge/merge_options.h"
@@ -36,7 +36,9 @@ struct SessionConfig {
     bool deterministic = false;
     bool batch = false;  ///< no cluster is solved before the last photograph has arrived
     std::uint64_t seed = 0;
-    std::string vocabulary_file;     ///< empty: trained from the session's own descriptors
+    std::string vocabulary_file;  ///< empty: trained from the session's own descriptors
+    /// Absolute path of the COLMAP database that images and matches come from; empty: photographs.
+    std::string colmap_database;
     std::vector<std::string> order;  ///< names in order of arrival; empty: by name
 };
 
@@ -45,7 +47,7 @@ struct StageOptions {
     FeatureOptions features;
     RetrievalOptions retrieval;
     VerificationOptions verification;
-    EdgeWeightOptions edge_weight;
+    EdgeSelectionOptions edges;
     ClusteringOptions clustering;
     SolveOptions solve;
     MergeOptions merge;

@@ -10,12 +10,8 @@
 #include <mutex>
 #include <tuple>
 
-#include "stages/features/run_features.h"
 #include "stages/merge/run_merge.h"
 #include "stages/reconstruction/solve_cluster.h"
-#include "stages/retrieval/run_retrieval.h"
-#include "stages/retrieval/vocabulary_file.h"
-#include "stages/verification/run_verification.h"
 
 namespace psfm {
 namespace {
@@ -40,10 +36,10 @@ Result<T> guarded(const char* stage, const Body& body) {
 }  // namespace
 
 struct SessionGraph::Nodes {
-    Nodes(const Parts& the_parts, tbb::task_arena& the_arena, RetrievalState the_retrieval);
+    Nodes(const Parts& the_parts, tbb::task_arena& the_arena);
 
     CommitInput extract_photo(const ArrivedPhoto& arrived) const;
-    RetrievedMessage retrieve_candidates(const AcceptedImagePtr& accepted);
+    RetrievedMessage retrieve_candidates(const AcceptedImagePtr& accepted) const;
     CommitInput verify_image(const RetrievedMessage& retrieved) const;
     CommitInput solve(const SolveMessage& message) const;
     CommitInput merge_clusters(const MergeMessage& message) const;
@@ -57,8 +53,6 @@ struct SessionGraph::Nodes {
     void commit_message(const CommitInput& input, CommitNode::output_ports_type& ports);
 
     Parts parts;
-    RetrievalState retrieval;       // owned by the serial node `retrieve`
-    std::vector<KnownImage> known;  // by id; owned by the serial node `retrieve`
     std::atomic<bool> has_failed{false};
     mutable std::mutex error_mutex;
     Error error;
@@ -76,11 +70,8 @@ struct SessionGraph::Nodes {
     flow::function_node<PublishMessage, flow::continue_msg> publish;
 };
 
-SessionGraph::Nodes::Nodes(const Parts& the_parts, tbb::task_arena& the_arena,
-                           RetrievalState the_retrieval)
+SessionGraph::Nodes::Nodes(const Parts& the_parts, tbb::task_arena& the_arena)
     : parts(the_parts),
-      retrieval(std::move(the_retrieval)),
-      known(the_parts.verified_images),
       arena(the_arena),
       extract(graph, flow::unlimited, [this](const ArrivedPhoto& p) { return extract_photo(p); }),
       by_arrival(graph,
@@ -95,7 +86,7 @@ SessionGraph::Nodes::Nodes(const Parts& the_parts, tbb::task_arena& the_arena,
                [this](const AcceptedImagePtr& m) { return retrieve_candidates(m); }),
       verify(graph, flow::unlimited, [this](const RetrievedMessage& m) { return verify_image(m); }),
       by_image(graph,
-               [first = the_parts.verified_images.size()](const CommitInput& m) {
+               [first = the_parts.committed_images](const CommitInput& m) {
                    return index_of(std::get<VerifiedMessage>(m).image) - first;
                }),
       solve_cluster_node(graph, flow::unlimited,
@@ -128,29 +119,18 @@ CommitInput SessionGraph::Nodes::extract_photo(const ArrivedPhoto& arrived) cons
     if (stopped()) return message;
     const auto start = Clock::now();
     message.photo = std::make_shared<const Result<ExtractedPhoto>>(guarded<ExtractedPhoto>(
-        "features", [&] { return run_features(arrived.file, parts.options->features); }));
+        "features", [&] { return parts.front_end->extract(arrived.file); }));
     message.extract_ms = milliseconds_since(start);
     return message;
 }
 
-RetrievedMessage SessionGraph::Nodes::retrieve_candidates(const AcceptedImagePtr& accepted) {
+RetrievedMessage SessionGraph::Nodes::retrieve_candidates(const AcceptedImagePtr& accepted) const {
     RetrievedMessage message{accepted, nullptr, 0.0};
     if (stopped()) return message;
     const auto start = Clock::now();
-    known.push_back({accepted->image.id, accepted->camera, accepted->image.metadata.content_hash});
-    message.candidates = std::make_shared<const Result<std::vector<KnownImage>>>(
-        guarded<std::vector<KnownImage>>("retrieval", [&]() -> Result<std::vector<KnownImage>> {
-            const DescriptorSource descriptors = [this](ImageId image) {
-                return parts.store->descriptors(image);
-            };
-            auto result = run_retrieval(retrieval, accepted->image.id, *accepted->descriptors,
-                                        descriptors, parts.options->retrieval);
-            if (!result.ok()) return result.error();
-            std::vector<KnownImage> candidates;
-            for (const RetrievalCandidate& candidate : result->candidates)
-                candidates.push_back(known[index_of(candidate.image)]);
-            return candidates;
-        }));
+    message.candidates =
+        std::make_shared<const Result<std::vector<KnownImage>>>(guarded<std::vector<KnownImage>>(
+            "retrieval", [&] { return parts.front_end->candidates(*accepted); }));
     message.retrieve_ms = milliseconds_since(start);
     return message;
 }
@@ -158,38 +138,15 @@ RetrievedMessage SessionGraph::Nodes::retrieve_candidates(const AcceptedImagePtr
 CommitInput SessionGraph::Nodes::verify_image(const RetrievedMessage& retrieved) const {
     VerifiedMessage message{retrieved.image->image.id, nullptr, retrieved.retrieve_ms, 0.0};
     if (stopped() || !retrieved.candidates) return message;
+    using Pairs = std::vector<VerifiedPairPtr>;
     if (!retrieved.candidates->ok()) {
-        message.pairs = std::make_shared<const Result<std::vector<VerifiedPairPtr>>>(
-            retrieved.candidates->error());
+        message.pairs = std::make_shared<const Result<Pairs>>(retrieved.candidates->error());
         return message;
     }
     const auto start = Clock::now();
-    message.pairs = std::make_shared<const Result<std::vector<VerifiedPairPtr>>>(
-        guarded<std::vector<VerifiedPairPtr>>(
-            "verification", [&]() -> Result<std::vector<VerifiedPairPtr>> {
-                VerificationInput input;
-                const AcceptedImage& accepted = *retrieved.image;
-
-                input.image = {accepted.image.id, accepted.camera,
-                               accepted.image.metadata.content_hash, accepted.keypoints,
-                               accepted.descriptors};
-                for (const KnownImage& candidate : retrieved.candidates->value())
-                    input.candidates.push_back(candidate.id);
-                input.load = [&](ImageId id) -> Result<ImageFeatures> {
-                    const KnownImage& earlier = *std::ranges::lower_bound(
-                        retrieved.candidates->value(), id, {}, &KnownImage::id);
-                    auto descriptors = parts.store->descriptors(id);
-                    if (!descriptors.ok()) return descriptors.error();
-                    auto keypoints = parts.store->keypoints(id);
-                    if (!keypoints.ok()) return keypoints.error();
-                    return ImageFeatures{id, earlier.camera, earlier.content_hash,
-                                         *std::move(keypoints), *std::move(descriptors)};
-                };
-                input.seed = parts.seed;
-                auto verified = run_verification(input, parts.options->verification);
-                if (!verified.ok()) return verified.error();
-                return std::move(verified->pairs);
-            }));
+    message.pairs = std::make_shared<const Result<Pairs>>(guarded<Pairs>("verification", [&] {
+        return parts.front_end->verify(*retrieved.image, retrieved.candidates->value());
+    }));
     message.verify_ms = milliseconds_since(start);
     return message;
 }
@@ -240,31 +197,10 @@ void SessionGraph::Nodes::commit_message(const CommitInput& input,
     if (output->publish) std::get<3>(ports).try_put(*output->publish);
 }
 
-Result<std::unique_ptr<SessionGraph>> SessionGraph::create(const Parts& parts,
-                                                           tbb::task_arena& arena) {
-    std::shared_ptr<const Vocabulary> given;
-    if (!parts.vocabulary_file.empty()) {
-        auto words = read_vocabulary(parts.vocabulary_file);
-        if (!words.ok()) return words.error();
-        given = std::make_shared<const Vocabulary>(*std::move(words));
-    }
-    const DescriptorSource descriptors = [&](ImageId image) {
-        return parts.store->descriptors(image);
-    };
-    Result<RetrievalState> retrieval = Error{};
-    arena.execute([&] {
-        retrieval =
-            rebuild_retrieval(given, static_cast<std::uint32_t>(parts.verified_images.size()),
-                              descriptors, parts.options->retrieval);
-    });
-    if (!retrieval.ok()) return retrieval.error();
-    std::unique_ptr<Nodes> nodes;
+SessionGraph::SessionGraph(const Parts& parts, tbb::task_arena& arena) {
     // A graph runs in the arena that it is made in.
-    arena.execute([&] { nodes = std::make_unique<Nodes>(parts, arena, *std::move(retrieval)); });
-    return std::unique_ptr<SessionGraph>(new SessionGraph(std::move(nodes)));
+    arena.execute([&] { nodes_ = std::make_unique<Nodes>(parts, arena); });
 }
-
-SessionGraph::SessionGraph(std::unique_ptr<Nodes> nodes) : nodes_(std::move(nodes)) {}
 
 SessionGraph::~SessionGraph() {
     nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });

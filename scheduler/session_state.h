@@ -17,6 +17,7 @@
 #include "scheduler/messages.h"
 #include "scheduler/session_config.h"
 #include "stages/clustering/clustering_state.h"
+#include "stages/clustering/select_edges.h"
 #include "stages/merge/cluster_constraint.h"
 #include "storage/session_store.h"
 
@@ -43,6 +44,7 @@ struct SessionState {
     std::uint32_t rejected = 0;
     std::uint32_t verified = 0;  ///< images 0 … verified-1 are nodes of the view graph
     ViewGraph view_graph;
+    EdgeSelection edges;  ///< which pairs the view graph holds
     ClusteringState clustering;
     ClusterTable clusters;
     std::vector<ClusterConstraint> constraints;  ///< of the published version

@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
     int exit_code = 0;
     psfm::add_run_command(app, exit_code);
     psfm::add_resume_command(app, exit_code);
+    psfm::add_import_command(app, exit_code);
     psfm::add_status_command(app, exit_code);
     psfm::add_export_command(app, exit_code);
     psfm::add_evaluate_command(app, exit_code);

@@ -10,6 +10,7 @@
 #include "stages/verification/decompose_two_view.h"
 #include "stages/verification/estimate_two_view.h"
 #include "stages/verification/fit_two_view.h"
+#include "stages/verification/match_density.h"
 
 namespace psfm {
 namespace {
@@ -129,6 +130,7 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
     if (geometry.inliers.size() < required)
         return degenerate(geometry.inliers.size(), count, required);
     if (lie_on_a_line(problem, *model, options)) return on_a_line();
+    geometry.match_density = match_density(views, geometry.inliers);
     return geometry;
 }
 
@@ -167,6 +169,7 @@ Result<TwoViewGeometry> with_intrinsics(const TwoViewGeometry& geometry, const M
     TwoViewGeometry seen = geometry_of(problem, model);
     if (seen.inliers.size() < fewest)
         return degenerate(seen.inliers.size(), problem.matches.size(), fewest);
+    seen.match_density = geometry.match_density;
     return seen;
 }
 

@@ -27,7 +27,7 @@ int resume(const ResumeArguments& arguments) {
     if (!config.ok()) return report_error(config.error());
     RunRequest request;
     request.session = arguments.session;
-    request.photos = settings->photo_folder;
+    request.input = settings->photo_folder;
     request.config = *std::move(config);
     request.execution.threads = arguments.threads;
     request.log_file = arguments.log;

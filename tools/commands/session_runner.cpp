@@ -12,6 +12,7 @@
 #include <set>
 
 #include "stages/features/photo_listing.h"
+#include "storage/exchange/colmap_database.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/thread_budget.h"
@@ -39,23 +40,36 @@ void catch_interrupts() {
     sigaction(SIGTERM, &action, nullptr);
 }
 
-/// The photographs of the folder that take part, in order of arrival.
-Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
-    auto listing = list_photos(request.photos);
+/// What could take part: the folder's photographs, or the database's images.
+Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request) {
+    std::vector<PhotoFile> photos;
+    if (!request.config.colmap_database.empty()) {
+        const auto database = ColmapDatabase::open(request.input);
+        if (!database.ok()) return database.error();
+        for (const DatabaseImage& image : (*database)->images())
+            photos.push_back({request.input, image.name});
+        return photos;
+    }
+    auto listing = list_photos(request.input);
     if (!listing.ok()) return listing.error();
     for (const RejectedPath& rejected : listing->rejected) {
         std::cerr << "rejected " << rejected.name << ": " << rejected.reason << '\n';
     }
-    if (request.config.order.empty()) return std::move(listing->photos);
+    return std::move(listing->photos);
+}
+
+/// The photographs that take part, in order of arrival.
+Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
+    auto photos = photos_by_name(request);
+    if (!photos.ok() || request.config.order.empty()) return photos;
     std::map<std::string, PhotoFile> by_name;
-    for (PhotoFile& photo : listing->photos) by_name.emplace(photo.name, std::move(photo));
+    for (PhotoFile& photo : *photos) by_name.emplace(photo.name, std::move(photo));
     std::vector<PhotoFile> ordered;
     for (const std::string& name : request.config.order) {
         const auto found = by_name.find(name);
         if (found == by_name.end()) {
             return Error{ErrorCode::kNotFound,
-                         "the order names " + name + ", which is not in " +
-                             request.photos.string() +
+                         "the order names " + name + ", which is not in " + request.input.string() +
                              "; correct the order file, or copy the photograph there"};
         }
         ordered.push_back(found->second);
@@ -90,7 +104,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     std::unique_ptr<PhotoSource> source;
     std::size_t expected = 0;
     if (request.watch) {
-        source = std::make_unique<WatchFolder>(request.photos);
+        source = std::make_unique<WatchFolder>(request.input);
     } else {
         auto photos = photos_in_order(request);
         if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
@@ -132,7 +146,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
                                  " could not be written to its end; is the disk full?"});
     }
     if (run->counts.images == 0) {
-        return report_error({ErrorCode::kUnreadable, "no photograph of " + request.photos.string() +
+        return report_error({ErrorCode::kUnreadable, "no image of " + request.input.string() +
                                                          " could be used; the reasons stand above"},
                             ErrorOrigin::kOtherInput);
     }

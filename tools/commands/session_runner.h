@@ -15,7 +15,7 @@ namespace psfm {
 /// What `run` and `resume` have in common.
 struct RunRequest {
     std::filesystem::path session;
-    std::filesystem::path photos;
+    std::filesystem::path input;  ///< folder of photographs, or the COLMAP database
     SessionConfig config;
     ExecutionOptions execution;
     std::string log_file;  ///< empty: no log

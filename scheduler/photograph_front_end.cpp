@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "scheduler/front_end.h"
+#include "stages/retrieval/run_retrieval.h"
+#include "stages/retrieval/vocabulary_file.h"
+#include "stages/verification/run_verification.h"
+
+namespace psfm {
+namespace {
+
+class PhotographFrontEnd final : public FrontEnd {
+  public:
+    PhotographFrontEnd(const FrontEndParts& parts, RetrievalState retrieval)
+        : store_(*parts.store),
+          options_(*parts.options),
+          seed_(parts.seed),
+          retrieval_(std::move(retrieval)) {
+        for (const CommittedImage& known : parts.committed) {
+            known_.push_back({known.image.id, known.camera, known.image.metadata.content_hash});
+        }
+    }
+
+    Result<ExtractedPhoto> extract(const PhotoFile& photo) const override {
+        return run_features(photo, options_.features);
+    }
+
+    Result<std::vector<KnownImage>> candidates(const AcceptedImage& accepted) override {
+        known_.push_back(
+            {accepted.image.id, accepted.camera, accepted.image.metadata.content_hash});
+        const DescriptorSource descriptors = [this](ImageId image) {
+            return store_.descriptors(image);
+        };
+        const auto found = run_retrieval(retrieval_, accepted.image.id, *accepted.descriptors,
+                                         descriptors, options_.retrieval);
+        if (!found.ok()) return found.error();
+        std::vector<KnownImage> candidates;
+        for (const RetrievalCandidate& candidate : found->candidates)
+            candidates.push_back(known_[index_of(candidate.image)]);
+        return candidates;
+    }
+
+    Result<std::vector<VerifiedPairPtr>> verify(
+        const AcceptedImage& accepted, std::span<const KnownImage> candidates) const override {
+        VerificationInput input;
+        input.image = {accepted.image.id, accepted.camera, accepted.image.metadata.content_hash,
+                       accepted.keypoints, accepted.descriptors};
+        for (const KnownImage& candidate : candidates) input.candidates.push_back(candidate.id);
+        input.load = [&](ImageId id) -> Result<ImageFeatures> {
+            const KnownImage& earlier =
+                *std::ranges::lower_bound(candidates, id, {}, &KnownImage::id);
+            auto descriptors = store_.descriptors(id);
+            if (!descriptors.ok()) return descriptors.error();
+            auto keypoints = store_.keypoints(id);
+            if (!keypoints.ok()) return keypoints.error();
+            return ImageFeatures{id, earlier.camera, earlier.content_hash, *std::move(keypoints),
+                                 *std::move(descriptors)};
+        };
+        input.seed = seed_;
+        auto verified = run_verification(input, options_.verification);
+        if (!verified.ok()) return verified.error();
+        return std::move(verified->pairs);
+    }
+
+  private:
+    const SessionReader& store_;
+    const StageOptions& options_;
+    std::uint64_t seed_;
+    RetrievalState retrieval_;
+    std::vector<KnownImage> known_;  // by id
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrontEnd>> make_photograph_front_end(const FrontEndParts& parts,
+                                                            const std::string& vocabulary_file) {
+    std::shared_ptr<const Vocabulary> given;
+    if (!vocabulary_file.empty()) {
+        auto words = read_vocabulary(vocabulary_file);
+        if (!words.ok()) return words.error();
+        given = std::make_shared<const Vocabulary>(*std::move(words));
+    }
+    const DescriptorSource descriptors = [&](ImageId image) {
+        return parts.store->descriptors(image);
+    };
+    auto retrieval = rebuild_retrieval(given, static_cast<std::uint32_t>(parts.committed.size()),
+                                       descriptors, parts.options->retrieval);
+    if (!retrieval.ok()) return retrieval.error();
+    return std::unique_ptr<FrontEnd>(
+        std::make_unique<PhotographFrontEnd>(parts, *std::move(retrieval)));
+}
+
+}  // namespace psfm

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/clustering/select_edges.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <set>
+
+namespace psfm {
+namespace {
+
+Error invalid(const char* what) {
+    return {ErrorCode::kInvalidArgument, std::string("edge selection: ") + what};
+}
+
+bool is_edge(const EdgeSelection& selection, ImageId a, ImageId b, double plausible,
+             const EdgeSelectionOptions& options) {
+    const double reached = std::min(selection.best[index_of(a)], selection.best[index_of(b)]);
+    return plausible >= options.min_relative_plausibility * reached;
+}
+
+/// Takes out the edges of an image that its best pair has outdone.
+void drop_outdone(EdgeSelection& selection, ViewGraph& graph, ImageId image,
+                  const EdgeSelectionOptions& options, std::set<ImageId>& changed) {
+    std::vector<EdgeSelection::Edge>& edges = selection.edges[index_of(image)];
+    const auto outdone = std::ranges::stable_partition(edges, [&](const EdgeSelection::Edge& edge) {
+        return is_edge(selection, image, edge.neighbor, edge.plausibility, options);
+    });
+    for (const EdgeSelection::Edge& edge : outdone) {
+        graph.remove_edge(image, edge.neighbor);
+        std::erase_if(selection.edges[index_of(edge.neighbor)],
+                      [&](const EdgeSelection::Edge& back) { return back.neighbor == image; });
+        changed.insert(image);
+        changed.insert(edge.neighbor);
+    }
+    edges.erase(outdone.begin(), outdone.end());
+}
+
+}  // namespace
+
+Result<void> validate(const EdgeSelectionOptions& options) {
+    if (options.min_inliers < 1) return invalid("min_inliers is 0; give at least 1");
+    if (!(options.min_relative_plausibility >= 0.0 && options.min_relative_plausibility <= 1.0))
+        return invalid("min_relative_plausibility is not between 0 and 1");
+    if (!(options.density_floor > 0.0 && options.expected_density >= options.density_floor &&
+          options.density_decay_deg > 0.0))
+        return invalid("the expected density must be positive and not below its floor");
+    return {};
+}
+
+double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options) {
+    if (geometry.match_density <= 0.0) return 1.0;
+    const double expected = std::max(
+        options.density_floor, options.expected_density * std::exp(-geometry.median_angle_deg /
+                                                                   options.density_decay_deg));
+    return std::min(1.0, geometry.match_density / expected);
+}
+
+std::vector<ImageId> select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
+                                  std::span<const VerifiedPairPtr> pairs,
+                                  const EdgeSelectionOptions& options) {
+    [[maybe_unused]] const ImageId added = graph.add_node();
+    assert(added == image);
+    selection.edges.resize(graph.size());
+    selection.best.resize(graph.size(), 0.0);
+
+    std::vector<ImageId> risen{image};
+    const auto raise_best = [&](ImageId of, double plausible) {
+        double& best = selection.best[index_of(of)];
+        if (plausible <= best) return;
+        best = plausible;
+        if (of != image) risen.push_back(of);
+    };
+    const auto is_strong = [&](const VerifiedPairPtr& pair) {
+        return pair->geometry.inliers.size() >= options.min_inliers;
+    };
+    for (const VerifiedPairPtr& pair : pairs) {
+        if (!is_strong(pair)) continue;
+        const double plausible = plausibility(pair->geometry, options);
+        raise_best(pair->pair.first, plausible);
+        raise_best(pair->pair.second, plausible);
+    }
+    std::set<ImageId> changed{image};
+    for (const VerifiedPairPtr& pair : pairs) {
+        const auto [a, b] = pair->pair;
+        const double plausible = plausibility(pair->geometry, options);
+        if (!is_strong(pair) || !is_edge(selection, a, b, plausible, options)) continue;
+        graph.add_edge(a, b, static_cast<double>(pair->geometry.inliers.size()), pair);
+        selection.edges[index_of(a)].push_back({b, plausible});
+        selection.edges[index_of(b)].push_back({a, plausible});
+        changed.insert({a, b});
+    }
+    for (const ImageId neighbor : risen) drop_outdone(selection, graph, neighbor, options, changed);
+    return {changed.begin(), changed.end()};
+}
+
+}  // namespace psfm

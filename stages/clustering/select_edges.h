@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "graph/ids.h"
+#include "graph/result.h"
+#include "graph/two_view_geometry.h"
+#include "graph/view_graph.h"
+
+namespace psfm {
+
+/// What counts as an edge of the view graph. Figures behind "ours": docs/look-alikes.md.
+struct EdgeSelectionOptions {
+    /// Verified inliers that an edge needs. Raised: sparse overlaps are lost, and with them images
+    /// and the connections between clusters. Lowered: chance agreements become edges. Ours: a free
+    /// fundamental matrix finds 40 to 60 inliers between temple images that share nothing, true
+    /// neighbours there have 150 at 20 degrees and 63 at 30 (DATASETS.md).
+    std::uint32_t min_inliers = 30;
+    /// An edge that is less plausible (see plausibility) than this part of what both of its images
+    /// reach elsewhere is none; 0: every pair is an edge, as in the paper. Raised: weak true
+    /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours.
+    double min_relative_plausibility = 0.6;
+    /// Match density expected of two photographs of one place: at equal viewing directions, falling
+    /// off exponentially with the triangulation angle, down to a floor. Raised: doubt is cast on
+    /// more pairs. Lowered: on fewer. Ours.
+    double expected_density = 0.12;
+    double density_decay_deg = 12.0;
+    double density_floor = 0.01;
+};
+
+Result<void> validate(const EdgeSelectionOptions& options);
+
+/// How well a pair's match density agrees with two photographs of one place, 1 at most; 1 when the
+/// density is unknown. Depends on nothing but the pair.
+double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options);
+
+/// All pairs that have enough inliers, in the view graph or not: a value, owned by one serial node.
+/// Invariant, with the graph and options of the last call: `best[i]` is the largest plausibility of
+/// the pairs of image i, and a pair is an edge iff it reaches min_relative_plausibility times the
+/// smaller of its images' best.
+struct EdgeSelection {
+    struct Edge {
+        ImageId neighbor{};
+        double plausibility = 0.0;
+    };
+    std::vector<std::vector<Edge>> edges;  ///< by image: those of the view graph
+    std::vector<double> best;              ///< by image; 0 without a pair
+};
+
+/// Adds an image with its pairs to the view graph, and takes out the edges that are no longer
+/// plausible beside better ones. A look-alike is only as convincing as nothing better is known of
+/// an image: while it is alone among look-alikes its edges to them stay, and when its true
+/// neighbours arrive they go. No pair is judged for good: which pairs are edges depends on the set
+/// of images, not on the order of their arrival, and pairs stay in the store whatever becomes of
+/// them (paper sec. "Progressive Viewgraph": no rejection in the view graph). The paper has no such
+/// step; with min_relative_plausibility 0 there is none here.
+///
+/// @param pairs  of `image` with earlier images
+/// @return the images whose edges changed, `image` among them, each once, ascending
+/// REQUIRES: image == graph.size(), the next one; valid options, the same at every call.
+/// Cost: O(pairs + edges of the images whose best pair is among them). Deterministic.
+std::vector<ImageId> select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
+                                  std::span<const VerifiedPairPtr> pairs,
+                                  const EdgeSelectionOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/verification/match_density.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <vector>
+
+namespace psfm {
+namespace {
+
+/// y ~ linear * x + shift, least squares; a slight pull towards a pure shift keeps matches along a
+/// line harmless.
+struct AffineMap {
+    Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
+    Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+
+    Eigen::Vector2d operator()(const Eigen::Vector2d& x) const { return linear * x + shift; }
+};
+
+AffineMap fit_affine(const std::vector<Eigen::Vector2d>& from,
+                     const std::vector<Eigen::Vector2d>& to) {
+    Eigen::Vector2d from_mean = Eigen::Vector2d::Zero();
+    Eigen::Vector2d to_mean = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        from_mean += from[i];
+        to_mean += to[i];
+    }
+    from_mean /= static_cast<double>(from.size());
+    to_mean /= static_cast<double>(from.size());
+    // Normal equations of the deviation from a pure shift.
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Identity();
+    Eigen::Matrix2d right = Eigen::Matrix2d::Zero();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        const Eigen::Vector2d x = from[i] - from_mean;
+        const Eigen::Vector2d y = to[i] - to_mean;
+        normal += x * x.transpose();
+        right += (y - x) * x.transpose();
+    }
+    AffineMap map;
+    map.linear += normal.ldlt().solve(right.transpose()).transpose();
+    map.shift = to_mean - map.linear * from_mean;
+    return map;
+}
+
+std::size_t count_inside(std::span<const Keypoint> keypoints, const AffineMap& map,
+                         const Camera& camera) {
+    const Eigen::Array2d size(camera.width, camera.height);
+    return static_cast<std::size_t>(std::ranges::count_if(keypoints, [&](const Keypoint& keypoint) {
+        const Eigen::Array2d there = map(keypoint.position()).array();
+        return (there >= 0.0).all() && (there <= size).all();
+    }));
+}
+
+}  // namespace
+
+double match_density(const MatchedViews& views, std::span<const FeatureMatch> inliers) {
+    if (inliers.empty()) return 0.0;
+    std::vector<Eigen::Vector2d> first;
+    std::vector<Eigen::Vector2d> second;
+    for (const FeatureMatch& match : inliers) {
+        first.push_back(views.keypoints1[match.first].position());
+        second.push_back(views.keypoints2[match.second].position());
+    }
+    const std::size_t shared =
+        std::min(count_inside(views.keypoints1, fit_affine(first, second), views.camera2),
+                 count_inside(views.keypoints2, fit_affine(second, first), views.camera1));
+    return static_cast<double>(inliers.size()) /
+           static_cast<double>(std::max(shared, inliers.size()));
+}
+
+}  // namespace psfm

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graph/result.h"
+#include "scheduler/session_config.h"
+
+namespace CLI {
+class App;
+}
+
+namespace psfm {
+
+/// The options that `run` and `import` share.
+struct SessionArguments {
+    std::string session;
+    std::string order_file;
+    std::optional<std::uint64_t> shuffle;
+    std::string preset = "default";
+    std::string log;
+    std::string history = "poses";
+    bool batch = false;
+    bool deterministic = false;
+    bool fix_intrinsics = false;
+    int threads = 0;
+    std::uint64_t seed = 0;
+};
+
+/// @param arguments  filled when the command line is parsed; outlives that
+void add_session_options(CLI::App& command, SessionArguments& arguments);
+
+/// The part of a configuration that these options set.
+/// @param names  of all images, in any order; asked for when they are to be shuffled
+/// @errors of the order file and of `names`
+Result<SessionConfig> config_from(const SessionArguments& arguments,
+                                  const std::function<Result<std::vector<std::string>>()>& names);
+
+/// Opens the session or makes it, checks that it goes on as it was begun, and runs it.
+/// @param input  folder of photographs, or the database
+/// @return the program's exit code; failures have been reported
+int start_session(const SessionArguments& arguments, const std::filesystem::path& input,
+                  SessionConfig config, bool watch);
+
+}  // namespace psfm
