@@ -37,8 +37,10 @@ struct TwoViewGeometry {
     /// guess.
     Rigid3 cam2_from_cam1;
     double median_angle_deg = 0.0;      ///< median triangulation angle of the inliers
-    /// Part of the features that both images should show which was matched, 0 to 1; 0: unknown.
+    /// Part of the features that both images should show which was matched, and of those between
+    /// the matches (their convex hull), 0 to 1; 0: unknown. See match_density.
     double match_density = 0.0;
+    double core_density = 0.0;
     std::vector<FeatureMatch> inliers;  ///< ascending; each feature at most once a side
 };
 

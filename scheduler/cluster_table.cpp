@@ -15,18 +15,46 @@ bool has_model(const std::shared_ptr<const Reconstruction>& model) {
 
 }  // namespace
 
-std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
-    std::vector<ClusterChange> changes;
-    // Which other models come together in a cluster, judged before anything is taken over.
-    std::map<ClusterId, std::set<ClusterId>> joined_models;
+/// Structure that images take along when they move together: by the cluster they move to. A group
+/// below mu_min is added one by one instead (paper sec. "Cluster Reconstruction", transfer).
+std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
+    const ClusteringEdit& edit) const {
+    std::map<ClusterId, std::vector<RecycledModel>> arriving;
     for (const MovedMembers& moved : edit.moved) {
         const auto from = entries_.find(moved.from);
-        if (from == entries_.end() || !has_model(from->second.model)) continue;
-        const bool modelled = std::ranges::any_of(moved.members, [&](ImageId image) {
-            return from->second.model->find(image) != nullptr;
-        });
-        if (modelled) joined_models[moved.to].insert(moved.from);
+        if (from == entries_.end()) continue;
+        for (const RecycledModel& source : from->second.material) {
+            auto part =
+                std::make_shared<const Reconstruction>(restricted_to(*source.model, moved.members));
+            if (part->images.size() >= mu_min_)
+                arriving[moved.to].push_back({source.cluster, source.revision, std::move(part)});
+        }
     }
+    return arriving;
+}
+
+/// Leaves of an entry's models what its images see. @return whether it lost some
+bool ClusterTable::keep_members(ClusterEntry& entry) const {
+    const std::vector<ImageId> images = images_of(entry);
+    bool lost = false;
+    for (RecycledModel& recycled : entry.material) {
+        if (!places_others_than(*recycled.model, images)) continue;
+        recycled.model =
+            std::make_shared<const Reconstruction>(restricted_to(*recycled.model, images));
+        lost = true;
+    }
+    std::erase_if(entry.material, [&](const RecycledModel& recycled) {
+        return recycled.model->images.size() < mu_min_;
+    });
+    // A published model with images of another cluster would show them twice: none until the next
+    // solve.
+    if (entry.model && places_others_than(*entry.model, images)) entry.model = nullptr;
+    return lost;
+}
+
+std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
+    std::vector<ClusterChange> changes;
+    std::map<ClusterId, std::vector<RecycledModel>> arriving = moving_models(edit);
     for (const ClusterMembers& changed : edit.changed) {
         ClusterEntry& entry = entries_[changed.id];
         entry.id = changed.id;
@@ -36,29 +64,36 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
             if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
             cluster_of_[index_of(image)] = changed.id;
         }
-        const auto joined = joined_models.find(changed.id);
-        const bool is_join = joined != joined_models.end();
-        const bool is_split =
-            has_model(entry.model) && places_others_than(*entry.model, images_of(entry));
-        if (is_join || is_split) {
-            entry.material = nullptr;
-            entry.material_state = {};
-            entry.anew_topology = entry.topology;
-            // A model with images of another cluster would show them twice: none until the next
-            // solve.
-            if (is_split) entry.model = nullptr;
-            ClusterChange change{
-                is_split ? ClusterChange::Kind::kSplit : ClusterChange::Kind::kJoin,
-                changed.id,
-                {},
-                changed.members.size()};
-            if (is_join) change.others.assign(joined->second.begin(), joined->second.end());
-            changes.push_back(std::move(change));
+        if (keep_members(entry)) {
+            changes.push_back(
+                {ClusterChange::Kind::kSplit, changed.id, {}, changed.members.size()});
+        }
+        const auto models = arriving.find(changed.id);
+        if (models != arriving.end()) {
+            const bool is_join = !entry.material.empty();
+            ClusterChange join{ClusterChange::Kind::kJoin, changed.id, {}, changed.members.size()};
+            for (RecycledModel& recycled : models->second) {
+                changes.push_back({ClusterChange::Kind::kTransfer,
+                                   changed.id,
+                                   {recycled.cluster},
+                                   recycled.model->images.size()});
+                join.others.push_back(recycled.cluster);
+                entry.material.push_back(std::move(recycled));
+            }
+            if (is_join || entry.material.size() > 1) changes.push_back(std::move(join));
+            entry.transfer_topology = entry.topology;
         }
         make_dirty(entry);
     }
     for (const ClusterId removed : edit.removed) entries_.erase(removed);
     return changes;
+}
+
+void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
+    for (const ClusterId id : clusters) {
+        ++entries_.at(id).topology;
+        make_dirty(entries_.at(id));
+    }
 }
 
 void ClusterTable::make_dirty(ClusterEntry& entry) const {
@@ -98,11 +133,9 @@ std::vector<ClusterId> ClusterTable::set_hosts(
             changed.insert(*host);
         }
     }
-    for (const ClusterId id : changed) {
-        ++entries_.at(id).topology;
-        make_dirty(entries_.at(id));
-    }
-    return {changed.begin(), changed.end()};
+    std::vector<ClusterId> dirty(changed.begin(), changed.end());
+    make_dirty(dirty);
+    return dirty;
 }
 
 std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters) const {
@@ -157,14 +190,16 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
         return nullptr;
     }
     ClusterEntry& entry = found->second;
-    // Images that have left meanwhile are dropped when the model is loaded.
-    const bool usable = has_model(solution.model) && solution.topology >= entry.anew_topology;
+    const bool current = entry.topology == solution.topology;
+    const bool usable = has_model(solution.model) && solution.topology >= entry.transfer_topology;
     if (usable) {
-        entry.material = solution.model;
+        entry.material = {{entry.id, entry.revision + (current ? 1 : 0), solution.model}};
         entry.material_state = solution.state;
     }
-    if (entry.topology != solution.topology) {
+    if (!current) {
         ++coalesced_;
+        // Images may have left meanwhile.
+        keep_members(entry);
         if (entry.members.size() < mu_min_) {
             entry.phase = ClusterPhase::kClean;
             entry.solved_topology = entry.topology;
@@ -201,7 +236,7 @@ void ClusterTable::restore(ClusterEntry entry) {
     }
     const bool dirty = entry.solved_topology != entry.topology && entry.members.size() >= mu_min_;
     entry.phase = dirty ? ClusterPhase::kDirty : ClusterPhase::kClean;
-    entries_[entry.id] = std::move(entry);
+    keep_members(entries_[entry.id] = std::move(entry));
 }
 
 }  // namespace psfm

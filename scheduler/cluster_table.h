@@ -20,6 +20,14 @@ namespace psfm {
 /// Where a cluster is in its life (DESIGN.md, "Dirty clusters").
 enum class ClusterPhase : std::uint8_t { kClean, kDirty, kSolving, kSolvingDirty };
 
+/// A model that a cluster's next solve starts from.
+struct RecycledModel {
+    ClusterId cluster{};  ///< whose solution it is, or was
+    /// With the cluster it names the stored solution; the model may be a part of it.
+    std::uint32_t revision = 0;
+    std::shared_ptr<const Reconstruction> model;
+};
+
 struct ClusterEntry {
     ClusterId id{};
     std::vector<ImageId> members;  ///< ascending
@@ -31,16 +39,22 @@ struct ClusterEntry {
     std::uint32_t revision = 0;                   ///< counts published models
     std::shared_ptr<const Reconstruction> model;  ///< published; null before the first solve
     std::vector<std::pair<ImageId, WaitReason>> waiting;
-    /// What the next solve extends: null after a join or split of models, which are solved anew.
-    std::shared_ptr<const Reconstruction> material;
-    SolveState material_state;
-    std::uint32_t anew_topology = 0;  ///< results for earlier topologies are no material
+    /// What the next solve extends or joins: the own model, and what images have brought along that
+    /// moved here together (paper sec. "Cluster Tracking and Recycling").
+    std::vector<RecycledModel> material;
+    SolveState material_state;            ///< of the own model
+    std::uint32_t transfer_topology = 0;  ///< when models came along last: a result for an earlier
+                                          ///< topology does not hold them, and is no material
     bool settled = false;  ///< all of the model was adjusted to convergence since it changed
 };
 
-/// A join or split of reconstructed clusters, for the log.
+/// What happened to reconstructed clusters, for the log.
 struct ClusterChange {
-    enum class Kind : std::uint8_t { kJoin, kSplit } kind{};
+    enum class Kind : std::uint8_t {
+        kJoin,      ///< models of `others` came to the model of `cluster`, now of `images` images
+        kSplit,     ///< images of the model of `cluster` are elsewhere now; it has `images` members
+        kTransfer,  ///< `images` cameras moved with their structure from `others` to `cluster`
+    } kind{};
     ClusterId cluster{};
     std::vector<ClusterId> others;
     std::size_t images = 0;
@@ -56,6 +70,9 @@ class ClusterTable {
 
     /// Takes over an edit; clusters below mu_min are clean at once.
     std::vector<ClusterChange> apply(const ClusteringEdit& edit);
+    /// Clusters that lost an edge between two of their members: what their models rest on has
+    /// changed.
+    void make_dirty(std::span<const ClusterId> clusters);
 
     /// Who is tried where from now on: an image and its host; nothing: it belongs to its own
     /// cluster only. Clusters that get or lose a guest become dirty. @return these, ascending
@@ -89,10 +106,12 @@ class ClusterTable {
     void restore_host(ImageId guest, ClusterId host);
 
   private:
+    void make_dirty(ClusterEntry& entry) const;
+    bool keep_members(ClusterEntry& entry) const;
+    std::map<ClusterId, std::vector<RecycledModel>> moving_models(const ClusteringEdit& edit) const;
+
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;
-    void make_dirty(ClusterEntry& entry) const;
-
     std::vector<ClusterId> cluster_of_;
     std::map<ImageId, ClusterId> host_of_;  // of guests
     std::uint32_t coalesced_ = 0;

@@ -7,6 +7,7 @@
 
 #include "scheduler/describe_events.h"
 #include "scheduler/encode_state.h"
+#include "scheduler/event_log.h"
 #include "scheduler/make_problems.h"
 #include "stages/clustering/host_cluster.h"
 #include "stages/clustering/update_clustering.h"
@@ -132,20 +133,22 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
     const ImageId image = message.image;
     ++state_.verified;
-    const std::vector<ImageId> touched =
+    const EdgeChanges edges =
         select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges);
     const ClusteringEdit edit =
-        update_clustering(state_.clustering, state_.view_graph, touched, options_.clustering);
+        update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering);
     const std::size_t untouched = state_.clusters.entries().size();
-    for (const ClusterChange& change : state_.clusters.apply(edit))
-        events_.push_back(describe_change(change));
+    for (const ClusterChange& change : state_.clusters.apply(edit)) tell(describe_change(change));
     state_.counts.solves_skipped += static_cast<std::uint32_t>(
         untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
 
     std::set<ClusterId> dirty;
     for (const ClusterMembers& cluster : edit.changed) dirty.insert(cluster.id);
-    const std::vector<ClusterId> rehosted = update_hosts(touched, edit);
+    const std::vector<ClusterId> rehosted = update_hosts(edges.images, edit);
     dirty.insert(rehosted.begin(), rehosted.end());
+    const std::vector<ClusterId> shaken = clusters_resting_on(edges.removed, dirty);
+    state_.clusters.make_dirty(shaken);
+    dirty.insert(shaken.begin(), shaken.end());
     std::vector<StoredCluster> changed;
     changed.reserve(dirty.size());
     for (const ClusterId id : dirty) changed.push_back(stored(state_.clusters.entries().at(id)));
@@ -158,6 +161,18 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     pending.report.cluster_ms = milliseconds_since(start);
     changed_ = true;
     return {};
+}
+
+std::vector<ClusterId> Committer::clusters_resting_on(std::span<const ImagePair> removed,
+                                                      const std::set<ClusterId>& except) const {
+    std::set<ClusterId> clusters;
+    for (const ImagePair& pair : removed) {
+        const ClusterEntry& entry = state_.clusters.of(pair.first);
+        const bool inside = entry.id == state_.clusters.of(pair.second).id;
+        if (inside && !entry.material.empty() && !except.contains(entry.id))
+            clusters.insert(entry.id);
+    }
+    return {clusters.begin(), clusters.end()};
 }
 
 std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
@@ -195,8 +210,9 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
         // A failed solve leaves its images waiting; the next change of the cluster tries again.
         solution.cluster = message.problem->cluster;
         solution.topology = message.problem->topology;
-        solution.model = message.problem->recycled ? message.problem->recycled
-                                                   : std::make_shared<const Reconstruction>();
+        solution.model = message.problem->recycled.empty()
+                             ? std::make_shared<const Reconstruction>()
+                             : message.problem->recycled.front();
         solution.state = message.problem->recycled_state;
     }
     const SolveStatistics& statistics = solution.statistics;
@@ -206,6 +222,9 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
             break;
         case SolveKind::kExtend:
             ++state_.counts.solves_extend;
+            break;
+        case SolveKind::kTransfer:
+            ++state_.counts.solves_transfer;
             break;
         case SolveKind::kSettle:
             ++state_.counts.solves_settle;
@@ -218,6 +237,10 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
             message.problem->images, static_cast<ImageId>(index), {}, &ClusterImage::id);
         if (in_problem != message.problem->images.end() && index_of(in_problem->id) == index)
             pending.report.solve_ms += statistics.milliseconds;
+    }
+    if (statistics.reset) {
+        ++state_.counts.resets;
+        tell(describe_reset(*message.problem, solution, state_.images));
     }
     const ClusterEntry* entry = state_.clusters.finish(*message.problem, solution);
     events_.push_back(
@@ -237,90 +260,10 @@ Result<void> Committer::on(const EndOfPhotos& message, CommitOutput& /*output*/)
     return {};
 }
 
-Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
-    merging_ = false;
-    if (!message.result->ok()) return message.result->error();
-    const MergeResult& merged = message.result->value();
-    auto scene = std::make_shared<Scene>();
-    scene->version = state_.scene->version + 1;
-    scene->image_count = state_.verified;
-    scene->effective_clusters = merged.effective_clusters;
-    StoredSceneVersion stored_version;
-    for (const MergeCluster& cluster : message.problem->clusters) {
-        const auto entry = state_.clusters.entries().find(cluster.id);
-        // Gone or solved again since: the next merge, which is due already, shows it.
-        if (entry == state_.clusters.entries().end() || entry->second.model != cluster.model)
-            continue;
-        const auto placement =
-            std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
-        auto shown = std::make_shared<SceneCluster>();
-        shown->id = cluster.id;
-        shown->revision = cluster.revision;
-        shown->members = state_.clusters.images_of(entry->second);
-        shown->model = cluster.model;
-        if (cluster.model && places_others_than(*cluster.model, shown->members)) {
-            // Guests that have a cluster of their own by now; the next solve leaves them out.
-            shown->model = std::make_shared<const Reconstruction>(
-                restricted_to(*cluster.model, shown->members));
-        }
-        shown->world_from_cluster = placement->world_from_cluster;
-        shown->effective_cluster = placement->effective_cluster;
-        stored_version.placements.push_back({shown->id, shown->revision, shown->members,
-                                             shown->world_from_cluster, shown->effective_cluster});
-        scene->clusters.push_back(std::move(shown));
-    }
-    count(*scene);
-    stored_version.version = scene->version;
-    stored_version.image_count = scene->image_count;
-    stored_version.effective_clusters = scene->effective_clusters;
-    stored_version.summary_json =
-        encode_summary({state_.counts, waiting_images(state_, options_.solve.mu_min)});
-    if (const auto stored = store_->commit_scene(stored_version); !stored.ok()) return stored;
-    state_.constraints = merged.constraints;
-    state_.scene = scene;
-    PublishMessage publish;
-    publish.scene = scene;
-    publish.counts = state_.counts;
-    report_published(*message.problem, message.merge_ms, publish);
-    output.publish = std::move(publish);
-    return {};
-}
-
-void Committer::count(const Scene& scene) {
-    SessionCounts& counts = state_.counts;
-    counts.images = static_cast<std::uint32_t>(state_.images.size());
-    counts.placed = static_cast<std::uint32_t>(placed_count(scene));
-    counts.waiting = counts.images - counts.placed;
-    counts.rejected = state_.rejected;
-    counts.clusters =
-        static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
-            return cluster->model && !cluster->model->empty();
-        }));
-    counts.effective_clusters = scene.effective_clusters;
-    counts.version = scene.version;
-    counts.solves_coalesced = state_.clusters.coalesced();
-}
-
-void Committer::report_published(const MergeProblem& problem, double merge_ms,
-                                 PublishMessage& publish) {
-    for (auto& [index, pending] : state_.pending) {
-        if (pending.published || !pending.verified) continue;
-        const ClusterEntry& entry = state_.clusters.of(static_cast<ImageId>(index));
-        const auto merged =
-            std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
-        const bool shown = merged != problem.clusters.end() && merged->id == entry.id &&
-                           merged->model == entry.model;
-        if (!shown || entry.phase != ClusterPhase::kClean) continue;
-        pending.published = true;
-        pending.report.merge_ms = merge_ms;
-        pending.report.latency_ms = milliseconds_since(pending.arrival);
-        ++images_released_;
-    }
-    // Reports leave in order of arrival: one that is ready waits for those before it.
-    while (!state_.pending.empty() && state_.pending.begin()->second.published) {
-        publish.images.push_back(state_.pending.begin()->second.report);
-        state_.pending.erase(state_.pending.begin());
-    }
+void Committer::tell(SessionEvent event) {
+    state_.past_events.push_back({state_.verified, name_of(event.kind), event.text});
+    if (state_.past_events.size() > SessionState::kPastEvents) state_.past_events.pop_front();
+    events_.push_back(std::move(event));
 }
 
 void Committer::advance(CommitOutput& output) {
@@ -368,7 +311,11 @@ StoredCluster Committer::stored(const ClusterEntry& entry) const {
     cluster.topology = entry.topology;
     cluster.solved_topology = entry.solved_topology;
     cluster.revision = entry.revision;
-    cluster.anew_topology = entry.anew_topology;
+    cluster.transfer_topology = entry.transfer_topology;
+    for (const RecycledModel& recycled : entry.material) {
+        if (recycled.cluster != entry.id)
+            cluster.recycled.push_back({recycled.cluster, recycled.revision});
+    }
     return cluster;
 }
 

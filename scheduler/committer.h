@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -53,8 +54,14 @@ class Committer {
     /// Guests of large clusters after a change. @return clusters that got or lost one
     std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
                                         const ClusteringEdit& edit);
+    /// Clusters with a model that lost an edge between two of their images. @param except  these
+    /// not
+    std::vector<ClusterId> clusters_resting_on(std::span<const ImagePair> removed,
+                                               const std::set<ClusterId>& except) const;
     void advance(CommitOutput& output);
     void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
+    /// To the log, and to `status`.
+    void tell(SessionEvent event);
     void count(const Scene& scene);
     StoredCluster stored(const ClusterEntry& entry) const;
 

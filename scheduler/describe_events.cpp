@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scheduler/describe_events.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace psfm {
@@ -9,18 +10,55 @@ namespace psfm {
 SessionEvent describe_change(const ClusterChange& change) {
     SessionEvent event;
     event.clusters.push_back(index_of(change.cluster));
-    for (const ClusterId other : change.others) event.clusters.push_back(index_of(other));
+    std::string others;
+    for (const ClusterId other : change.others) {
+        event.clusters.push_back(index_of(other));
+        others += (others.empty() ? "" : ", ") + std::to_string(index_of(other));
+    }
     const std::string images = std::to_string(change.images) + " images";
     const std::string cluster = std::to_string(index_of(change.cluster));
-    if (change.kind == ClusterChange::Kind::kJoin) {
-        event.kind = SessionEvent::Kind::kJoin;
-        event.text =
-            "clusters joined into cluster " + cluster + " of " + images + ", which is solved anew";
-    } else {
-        event.kind = SessionEvent::Kind::kSplit;
-        event.text =
-            "images left cluster " + cluster + ", now of " + images + ", which is solved anew";
+    switch (change.kind) {
+        case ClusterChange::Kind::kJoin:
+            event.kind = SessionEvent::Kind::kJoin;
+            event.text = "cluster " + cluster + ", now of " + images +
+                         ", is joined by what was reconstructed in " + others;
+            break;
+        case ClusterChange::Kind::kSplit:
+            event.kind = SessionEvent::Kind::kSplit;
+            event.text = "images left cluster " + cluster + ", now of " + images +
+                         "; what they saw alone left its model";
+            break;
+        case ClusterChange::Kind::kTransfer:
+            event.kind = SessionEvent::Kind::kTransfer;
+            event.text = images + " moved with their structure from cluster " + others +
+                         " to cluster " + cluster;
+            break;
     }
+    return event;
+}
+
+SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution& solution,
+                            std::span<const Image> images) {
+    const Contradiction& reason = *solution.statistics.reset;
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kReset;
+    event.clusters = {index_of(problem.cluster)};
+    event.images = {images[index_of(reason.pair.first)].name,
+                    images[index_of(reason.pair.second)].name};
+    const auto whole = [](double value) { return std::to_string(std::lround(value)); };
+    event.text = "cluster " + std::to_string(index_of(problem.cluster)) +
+                 " was reset: its model turned " + event.images[0] + " against " + event.images[1] +
+                 " by " + whole(reason.angle_deg) +
+                 " degrees otherwise than the averaged rotations, and so for " +
+                 std::to_string(reason.beyond) + " of " + std::to_string(reason.edges) +
+                 " edges; the new model has " + std::to_string(solution.model->images.size()) +
+                 " of " + std::to_string(problem.images.size()) + " images";
+    event.detail_json = nlohmann::json{{"angle_deg", reason.angle_deg},
+                                       {"edges", reason.edges},
+                                       {"edges_beyond", reason.beyond},
+                                       {"placed", solution.model->images.size()},
+                                       {"members", problem.images.size()}}
+                            .dump();
     return event;
 }
 
@@ -44,6 +82,8 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
                                        {"full_adjustments", statistics.full_adjustments},
                                        {"local_adjustments", statistics.local_adjustments},
                                        {"removed_edges", statistics.removed_edges},
+                                       {"joined_models", statistics.joined_models},
+                                       {"left_models", statistics.left_models},
                                        {"mean_error_px", statistics.mean_error_px}}
                             .dump();
     return event;

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
+#include "graph/image.h"
 #include "graph/result.h"
 #include "scheduler/cluster_table.h"
 #include "scheduler/messages.h"
@@ -11,6 +14,10 @@ namespace psfm {
 // What happened to a cluster, in a sentence and in fields for the log.
 
 SessionEvent describe_change(const ClusterChange& change);
+/// REQUIRES: the solution's statistics hold a reset
+/// @param images  of the session, by id
+SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution& solution,
+                            std::span<const Image> images);
 
 /// @param outcome    as the solve stage returned it: an error is told
 /// @param solution   what was made of it

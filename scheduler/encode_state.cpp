@@ -22,6 +22,7 @@ constexpr CountField kCountFields[] = {{"images", &SessionCounts::images},
                                        {"resets", &SessionCounts::resets},
                                        {"solves_new", &SessionCounts::solves_new},
                                        {"solves_extend", &SessionCounts::solves_extend},
+                                       {"solves_transfer", &SessionCounts::solves_transfer},
                                        {"solves_settle", &SessionCounts::solves_settle},
                                        {"solves_skipped", &SessionCounts::solves_skipped},
                                        {"solves_coalesced", &SessionCounts::solves_coalesced}};
@@ -30,6 +31,8 @@ constexpr CountField kCountFields[] = {{"images", &SessionCounts::images},
 
 std::string encode_solve_state(const StoredSolveState& state) {
     return json{{"images_at_full_adjustment", state.state.images_at_full_adjustment},
+                {"tolerated_contradiction_deg", state.state.tolerated_contradiction_deg},
+                {"images_at_contradiction", state.state.images_at_contradiction},
                 {"settled", state.settled}}
         .dump();
 }
@@ -38,9 +41,16 @@ StoredSolveState decode_solve_state(const std::string& text) {
     const json object = json::parse(text, nullptr, false);
     StoredSolveState state;
     if (!object.is_object()) return state;
-    if (const auto count = object.find("images_at_full_adjustment");
-        count != object.end() && count->is_number_unsigned()) {
-        state.state.images_at_full_adjustment = count->get<std::uint32_t>();
+    const auto count = [&](const char* name, std::uint32_t& field) {
+        if (const auto found = object.find(name);
+            found != object.end() && found->is_number_unsigned())
+            field = found->get<std::uint32_t>();
+    };
+    count("images_at_full_adjustment", state.state.images_at_full_adjustment);
+    count("images_at_contradiction", state.state.images_at_contradiction);
+    if (const auto angle = object.find("tolerated_contradiction_deg");
+        angle != object.end() && angle->is_number()) {
+        state.state.tolerated_contradiction_deg = angle->get<double>();
     }
     if (const auto settled = object.find("settled");
         settled != object.end() && settled->is_boolean()) {
@@ -57,6 +67,10 @@ std::string encode_summary(const SceneSummary& summary) {
     for (const auto& [image, reason] : summary.waiting)
         waiting.push_back({index_of(image), static_cast<int>(reason)});
     object["waiting_images"] = std::move(waiting);
+    json events = json::array();
+    for (const PastEvent& event : summary.events)
+        events.push_back({{"image", event.image}, {"event", event.kind}, {"text", event.text}});
+    object["events"] = std::move(events);
     return object.dump();
 }
 
@@ -73,6 +87,11 @@ Result<SceneSummary> decode_summary(const std::string& text) {
             if (reason < 0 || reason > static_cast<int>(WaitReason::kSolving)) continue;
             summary.waiting.emplace_back(static_cast<ImageId>(entry.at(0).get<std::uint32_t>()),
                                          static_cast<WaitReason>(reason));
+        }
+        for (const json& event : object.value("events", json::array())) {
+            summary.events.push_back({event.at("image").get<std::uint32_t>(),
+                                      event.at("event").get<std::string>(),
+                                      event.at("text").get<std::string>()});
         }
     } catch (const json::exception&) {
         return Error{ErrorCode::kDamaged, "the summary of the scene version is damaged"};

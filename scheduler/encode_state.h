@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <string>
 
 #include "graph/result.h"
@@ -27,6 +28,7 @@ StoredSolveState decode_solve_state(const std::string& json);
 struct SceneSummary {
     SessionCounts counts;
     std::vector<std::pair<ImageId, WaitReason>> waiting;
+    std::deque<PastEvent> events;  ///< oldest first
 };
 std::string encode_summary(const SceneSummary& summary);
 /// @errors kDamaged

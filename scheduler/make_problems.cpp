@@ -3,6 +3,7 @@
 #include "scheduler/make_problems.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 
 namespace psfm {
@@ -13,7 +14,10 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     auto problem = std::make_shared<ClusterProblem>();
     problem->cluster = entry.id;
     problem->topology = entry.topology;
-    problem->recycled = entry.material;
+    for (const RecycledModel& recycled : entry.material)
+        problem->recycled.push_back(recycled.model);
+    std::ranges::stable_sort(problem->recycled, std::ranges::greater(),
+                             [](const auto& model) { return model->images.size(); });
     problem->recycled_state = entry.material_state;
     problem->fix_intrinsics = config.fix_intrinsics;
     problem->settle = settle;

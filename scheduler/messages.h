@@ -121,6 +121,14 @@ struct SessionEvent {
     std::string detail_json;  ///< an object with further fields for the log; may be empty
 };
 
+/// An event that `status` still tells of.
+struct PastEvent {
+    std::uint32_t image = 0;  ///< images that had been verified then
+    std::string kind;         ///< as in the log
+    std::string text;
+    bool operator==(const PastEvent&) const = default;
+};
+
 /// The counts that `status` and the log show.
 struct SessionCounts {
     std::uint32_t images = 0, placed = 0, waiting = 0, rejected = 0;
@@ -128,8 +136,8 @@ struct SessionCounts {
     std::uint32_t effective_clusters = 0;
     std::uint64_t version = 0;
     std::uint32_t resets = 0;
-    std::uint32_t solves_new = 0, solves_extend = 0, solves_settle = 0, solves_skipped = 0,
-                  solves_coalesced = 0;
+    std::uint32_t solves_new = 0, solves_extend = 0, solves_transfer = 0, solves_settle = 0,
+                  solves_skipped = 0, solves_coalesced = 0;
 };
 
 /// What the commit node tells the world.

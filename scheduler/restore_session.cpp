@@ -71,19 +71,26 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
         entry.topology = stored.topology;
         entry.solved_topology = stored.solved_topology;
         entry.revision = stored.revision;
-        entry.anew_topology = stored.anew_topology;
+        entry.transfer_topology = stored.transfer_topology;
         const auto solution = store.solution(stored.id);
         if (!solution.ok()) return solution.error();
         if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
             const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
             const std::shared_ptr<const Reconstruction>& model = (*solution)->model;
-            // A model from before a split shows images that are elsewhere now.
-            const bool outdated = entry.solved_topology < entry.anew_topology;
-            if (!outdated || !places_others_than(*model, entry.members)) entry.model = model;
+            entry.model = model;
             entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
-            if (!outdated && !model->empty()) {
-                entry.material = model;
+            if (!model->empty()) {
+                entry.material = {{stored.id, stored.revision, model}};
                 entry.material_state = solve_state.state;
+            }
+        }
+        if (entry.solved_topology < entry.transfer_topology) {
+            for (const SolutionReference& recycled : stored.recycled) {
+                auto model = store.recycled_model(recycled);
+                if (!model.ok()) return model.error();
+                if (*model)
+                    entry.material.push_back(
+                        {recycled.cluster, recycled.revision, *std::move(model)});
             }
         }
         state.clusters.restore(std::move(entry));
@@ -119,6 +126,7 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
     const auto summary = decode_summary(*summary_text);
     if (!summary.ok()) return summary.error();
     restored.state.counts = summary->counts;
+    restored.state.past_events = summary->events;
     restored.state.scene = std::make_shared<const Scene>(*std::move(scene));
     return restored;
 }

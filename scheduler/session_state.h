@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -50,6 +51,9 @@ struct SessionState {
     std::vector<ClusterConstraint> constraints;  ///< of the published version
     ScenePtr scene = std::make_shared<const Scene>();
     SessionCounts counts;
+    /// The last joins, splits, transfers and resets, oldest first; at most kPastEvents.
+    std::deque<PastEvent> past_events;
+    static constexpr std::size_t kPastEvents = 50;
     std::map<std::uint32_t, PendingImage> pending;  ///< by image index
 };
 

@@ -12,7 +12,8 @@ namespace {
 const char* problem_of(const StoredCluster& cluster) {
     if (cluster.members.empty()) return "cluster has no members";
     if (!strictly_ascending(cluster.members)) return "cluster members are not ascending";
-    if (cluster.solved_topology > cluster.topology || cluster.anew_topology > cluster.topology) {
+    if (cluster.solved_topology > cluster.topology ||
+        cluster.transfer_topology > cluster.topology) {
         return "cluster was solved for a topology to come";
     }
     return nullptr;
@@ -27,9 +28,17 @@ Result<std::string> encode_cluster(const ClusterRecord& record) {
     }
     flatbuffers::FlatBufferBuilder builder;
     const auto members = builder.CreateVector(encode_members(cluster.members));
+    std::vector<std::uint32_t> numbers;
+    for (const SolutionReference& solution : cluster.recycled) {
+        numbers.push_back(index_of(solution.cluster));
+        numbers.push_back(solution.revision);
+    }
+    const auto recycled = numbers.empty()
+                              ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>()
+                              : builder.CreateVector(numbers);
     builder.Finish(records::CreateCluster(builder, members, cluster.topology,
                                           cluster.solved_topology, cluster.revision, record.removed,
-                                          cluster.anew_topology));
+                                          cluster.transfer_topology, recycled));
     return finished(builder);
 }
 
@@ -39,9 +48,21 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
     if (record == nullptr) return damaged_payload(kNotATable);
     auto members = decode_members(bytes_of(*record->members()));
     if (!members) return damaged_payload("list of members is broken");
-    ClusterRecord result{{id, std::move(*members), record->topology(), record->solved_topology(),
-                          record->revision(), record->anew_topology()},
+    ClusterRecord result{{id,
+                          std::move(*members),
+                          record->topology(),
+                          record->solved_topology(),
+                          record->revision(),
+                          record->transfer_topology(),
+                          {}},
                          record->removed()};
+    if (const auto* recycled = record->recycled()) {
+        if (recycled->size() % 2 != 0) return damaged_payload("list of recycled models is broken");
+        for (flatbuffers::uoffset_t i = 0; i < recycled->size(); i += 2) {
+            result.cluster.recycled.push_back(
+                {static_cast<ClusterId>(recycled->Get(i)), recycled->Get(i + 1)});
+        }
+    }
     if (const char* problem = problem_of(result.cluster)) return damaged_payload(problem);
     return result;
 }

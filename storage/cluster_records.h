@@ -18,7 +18,7 @@ struct ClusterRecord {
 
 /// Payload of a cluster (FORMAT.md section 4).
 /// @errors kInvalidArgument: no members or not ascending, solved_topology or
-/// anew_topology > topology
+/// transfer_topology > topology
 Result<std::string> encode_cluster(const ClusterRecord& record);
 
 /// @errors kDamaged

@@ -30,8 +30,9 @@ const char* problem_of(const TwoViewGeometry& geometry) {
     if (!geometry.matrix.allFinite()) return "two-view matrix is not finite";
     if (!is_sound(geometry.cam2_from_cam1)) return "relative pose is not a rigid motion";
     if (!std::isfinite(geometry.median_angle_deg)) return "triangulation angle is not finite";
-    if (!(geometry.match_density >= 0.0 && geometry.match_density <= 1.0))
-        return "match density is not between 0 and 1";
+    for (const double density : {geometry.match_density, geometry.core_density}) {
+        if (!(density >= 0.0 && density <= 1.0)) return "match density is not between 0 and 1";
+    }
     return nullptr;
 }
 
@@ -55,8 +56,8 @@ flatbuffers::Offset<records::Pair> add_pair(flatbuffers::FlatBufferBuilder& buil
     const records::Rigid motion = to_record(pair.geometry.cam2_from_cam1);
     return records::CreatePair(builder, index_of(pair.pair.first),
                                static_cast<std::uint8_t>(pair.geometry.kind), &matrix, &motion,
-                               pair.geometry.median_angle_deg, inliers,
-                               pair.geometry.match_density);
+                               pair.geometry.median_angle_deg, inliers, pair.geometry.match_density,
+                               pair.geometry.core_density);
 }
 
 Result<VerifiedPairPtr> read_pair(ImageId image, const records::Pair& record) {
@@ -70,6 +71,7 @@ Result<VerifiedPairPtr> read_pair(ImageId image, const records::Pair& record) {
     geometry.cam2_from_cam1 = from_record(*record.cam2_from_cam1());
     geometry.median_angle_deg = record.median_angle_deg();
     geometry.match_density = record.match_density();
+    geometry.core_density = record.core_density();
     CompactListReader list(bytes_of(*record.inliers()));
     while (!list.at_end()) {
         const auto first = list.take_ascending();

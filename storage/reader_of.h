@@ -36,6 +36,10 @@ class ReaderOf : public Interface {
     }
     Result<std::vector<StoredCluster>> clusters() const override { return reads_.clusters(); }
     Result<ClusterId> next_cluster_id() const override { return reads_.next_cluster_id(); }
+    Result<std::shared_ptr<const Reconstruction>> recycled_model(
+        const SolutionReference& solution) const override {
+        return reads_.recycled_model(solution);
+    }
     Result<std::optional<StoredSolution>> solution(ClusterId cluster) const override {
         return reads_.solution(cluster);
     }

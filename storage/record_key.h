@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "graph/ids.h"
+#include "storage/session_store.h"
 
 namespace psfm {
 
@@ -32,11 +33,7 @@ inline constexpr std::array<Family, 9> kFamilies{
 const char* name_of(Family family);
 
 /// Key of a solution and of its points.
-struct SolutionKey {
-    ClusterId cluster{};
-    std::uint32_t revision = 0;
-    auto operator<=>(const SolutionKey&) const = default;
-};
+using SolutionKey = SolutionReference;
 
 /// Key of a scene version; ordered like the versions.
 struct SceneKey {

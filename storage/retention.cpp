@@ -64,9 +64,17 @@ std::vector<SolutionKey> droppable_solutions(const std::set<SolutionKey>& supers
         return std::ranges::any_of(found->second.cluster.members,
                                    [&](ImageId member) { return unsolved.contains(member); });
     };
+    // Parts of these are to be joined to other clusters' models.
+    std::set<SolutionKey> recycled;
+    for (const auto& [id, record] : clusters) {
+        const StoredCluster& cluster = record.cluster;
+        if (!record.removed && cluster.solved_topology < cluster.transfer_topology)
+            recycled.insert(cluster.recycled.begin(), cluster.recycled.end());
+    }
     std::vector<SolutionKey> droppable;
     for (const SolutionKey& key : superseded) {
-        if (!refers_to(next, key) && !awaited(key)) droppable.push_back(key);
+        if (!refers_to(next, key) && !awaited(key) && !recycled.contains(key))
+            droppable.push_back(key);
     }
     return droppable;
 }

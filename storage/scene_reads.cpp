@@ -100,6 +100,16 @@ Result<std::optional<StoredSolution>> SessionReads::solution(ClusterId cluster) 
     });
 }
 
+Result<std::shared_ptr<const Reconstruction>> SessionReads::recycled_model(
+    const SolutionReference& solution) const {
+    return read_consistently(*database_, [&](const ReadView& view) -> Result<ModelPtr> {
+        auto whole = read_whole(view, solution);
+        if (!whole) return whole.error();
+        if (!whole->has_value()) return ModelPtr();
+        return std::make_shared<const Reconstruction>(std::move((*whole)->model));
+    });
+}
+
 Result<SessionReads::ModelPtr> SessionReads::read_model(const ReadView& view,
                                                         const SolutionKey& key,
                                                         WithPoints with_points) const {

@@ -29,6 +29,8 @@ class SessionReads {
     Result<std::vector<StoredCluster>> clusters() const;
     Result<ClusterId> next_cluster_id() const;
     Result<std::optional<StoredSolution>> solution(ClusterId cluster) const;
+    Result<std::shared_ptr<const Reconstruction>> recycled_model(
+        const SolutionReference& solution) const;
     Result<Scene> scene() const;
     Result<std::string> scene_summary_json() const;
     Result<Scene> scene_after(std::uint32_t image_count) const;

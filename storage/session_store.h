@@ -45,6 +45,13 @@ struct RejectedPhoto {
     std::int64_t file_size = 0;      ///< [bytes]; a changed file is looked at again
 };
 
+/// A solution of a cluster, by number.
+struct SolutionReference {
+    ClusterId cluster{};
+    std::uint32_t revision = 0;
+    auto operator<=>(const SolutionReference&) const = default;
+};
+
 /// One cluster as stored: membership, and the solution that belongs to it.
 struct StoredCluster {
     ClusterId id{};
@@ -53,8 +60,12 @@ struct StoredCluster {
     std::uint32_t solved_topology =
         0;  ///< topology that the last solution was made for; dirty when it differs
     std::uint32_t revision = 0;  ///< counts solutions, from 1; 0: none yet
-    /// Solutions for earlier topologies are not extended: models joined or split there.
-    std::uint32_t anew_topology = 0;
+    /// When images last brought models along; what the cluster's solutions for earlier topologies
+    /// do not hold.
+    std::uint32_t transfer_topology = 0;
+    /// Solutions of other clusters whose parts came along, and that the next solve joins. Kept as
+    /// long as solved_topology is below transfer_topology.
+    std::vector<SolutionReference> recycled;
 };
 
 /// A solution of one cluster, as the solve stage left it.
@@ -118,6 +129,9 @@ class SessionReader {
     virtual Result<ClusterId> next_cluster_id() const = 0;
     /// The latest solution of a cluster; nothing when it has none.
     virtual Result<std::optional<StoredSolution>> solution(ClusterId cluster) const = 0;
+    /// The model of a certain solution; null when it is not kept any more.
+    virtual Result<std::shared_ptr<const Reconstruction>> recycled_model(
+        const SolutionReference& solution) const = 0;
     /// The latest scene version, complete with models; version 0 and no clusters for an empty
     /// session.
     virtual Result<Scene> scene() const = 0;

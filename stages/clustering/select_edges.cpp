@@ -22,7 +22,7 @@ bool is_edge(const EdgeSelection& selection, ImageId a, ImageId b, double plausi
 
 /// Takes out the edges of an image that its best pair has outdone.
 void drop_outdone(EdgeSelection& selection, ViewGraph& graph, ImageId image,
-                  const EdgeSelectionOptions& options, std::set<ImageId>& changed) {
+                  const EdgeSelectionOptions& options, std::set<ImagePair>& removed) {
     std::vector<EdgeSelection::Edge>& edges = selection.edges[index_of(image)];
     const auto outdone = std::ranges::stable_partition(edges, [&](const EdgeSelection::Edge& edge) {
         return is_edge(selection, image, edge.neighbor, edge.plausibility, options);
@@ -31,8 +31,7 @@ void drop_outdone(EdgeSelection& selection, ViewGraph& graph, ImageId image,
         graph.remove_edge(image, edge.neighbor);
         std::erase_if(selection.edges[index_of(edge.neighbor)],
                       [&](const EdgeSelection::Edge& back) { return back.neighbor == image; });
-        changed.insert(image);
-        changed.insert(edge.neighbor);
+        removed.insert(ImagePair::of(image, edge.neighbor));
     }
     edges.erase(outdone.begin(), outdone.end());
 }
@@ -43,23 +42,28 @@ Result<void> validate(const EdgeSelectionOptions& options) {
     if (options.min_inliers < 1) return invalid("min_inliers is 0; give at least 1");
     if (!(options.min_relative_plausibility >= 0.0 && options.min_relative_plausibility <= 1.0))
         return invalid("min_relative_plausibility is not between 0 and 1");
-    if (!(options.density_floor > 0.0 && options.expected_density >= options.density_floor &&
-          options.density_decay_deg > 0.0))
-        return invalid("the expected density must be positive and not below its floor");
+    for (const ExpectedDensity& expected : {options.shared, options.core}) {
+        if (!(expected.floor > 0.0 && expected.at_zero >= expected.floor &&
+              expected.decay_deg > 0.0))
+            return invalid("an expected density must be positive and not below its floor");
+    }
     return {};
 }
 
 double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options) {
     if (geometry.match_density <= 0.0) return 1.0;
-    const double expected = std::max(
-        options.density_floor, options.expected_density * std::exp(-geometry.median_angle_deg /
-                                                                   options.density_decay_deg));
-    return std::min(1.0, geometry.match_density / expected);
+    const auto reached = [&](double density, const ExpectedDensity& expected) {
+        const double fallen =
+            expected.at_zero * std::exp(-geometry.median_angle_deg / expected.decay_deg);
+        return density / std::max(expected.floor, fallen);
+    };
+    return std::min(1.0, std::max(reached(geometry.match_density, options.shared),
+                                  reached(geometry.core_density, options.core)));
 }
 
-std::vector<ImageId> select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
-                                  std::span<const VerifiedPairPtr> pairs,
-                                  const EdgeSelectionOptions& options) {
+EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
+                         std::span<const VerifiedPairPtr> pairs,
+                         const EdgeSelectionOptions& options) {
     [[maybe_unused]] const ImageId added = graph.add_node();
     assert(added == image);
     selection.edges.resize(graph.size());
@@ -91,8 +95,10 @@ std::vector<ImageId> select_edges(EdgeSelection& selection, ViewGraph& graph, Im
         selection.edges[index_of(b)].push_back({a, plausible});
         changed.insert({a, b});
     }
-    for (const ImageId neighbor : risen) drop_outdone(selection, graph, neighbor, options, changed);
-    return {changed.begin(), changed.end()};
+    std::set<ImagePair> removed;
+    for (const ImageId neighbor : risen) drop_outdone(selection, graph, neighbor, options, removed);
+    for (const auto& [a, b] : removed) changed.insert({a, b});
+    return {{changed.begin(), changed.end()}, {removed.begin(), removed.end()}};
 }
 
 }  // namespace psfm

@@ -13,6 +13,14 @@
 
 namespace psfm {
 
+/// A match density that falls off exponentially with the triangulation angle, down to a floor.
+/// Raised: doubt is cast on more pairs. Lowered: on fewer. Ours.
+struct ExpectedDensity {
+    double at_zero = 0.0;  ///< for equal viewing directions
+    double decay_deg = 0.0;
+    double floor = 0.0;
+};
+
 /// What counts as an edge of the view graph. Figures behind "ours": docs/look-alikes.md.
 struct EdgeSelectionOptions {
     /// Verified inliers that an edge needs. Raised: sparse overlaps are lost, and with them images
@@ -24,12 +32,9 @@ struct EdgeSelectionOptions {
     /// reach elsewhere is none; 0: every pair is an edge, as in the paper. Raised: weak true
     /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours.
     double min_relative_plausibility = 0.6;
-    /// Match density expected of two photographs of one place: at equal viewing directions, falling
-    /// off exponentially with the triangulation angle, down to a floor. Raised: doubt is cast on
-    /// more pairs. Lowered: on fewer. Ours.
-    double expected_density = 0.12;
-    double density_decay_deg = 12.0;
-    double density_floor = 0.01;
+    /// Densities expected of two photographs of one place (see match_density); either will do.
+    ExpectedDensity shared{.at_zero = 0.12, .decay_deg = 12.0, .floor = 0.01};
+    ExpectedDensity core{.at_zero = 0.25, .decay_deg = 25.0, .floor = 0.12};
 };
 
 Result<void> validate(const EdgeSelectionOptions& options);
@@ -51,6 +56,12 @@ struct EdgeSelection {
     std::vector<double> best;              ///< by image; 0 without a pair
 };
 
+/// What an image changed in the view graph.
+struct EdgeChanges {
+    std::vector<ImageId> images;     ///< whose edges changed, the new one among them; ascending
+    std::vector<ImagePair> removed;  ///< edges that are none any more, ascending
+};
+
 /// Adds an image with its pairs to the view graph, and takes out the edges that are no longer
 /// plausible beside better ones. A look-alike is only as convincing as nothing better is known of
 /// an image: while it is alone among look-alikes its edges to them stay, and when its true
@@ -60,11 +71,10 @@ struct EdgeSelection {
 /// step; with min_relative_plausibility 0 there is none here.
 ///
 /// @param pairs  of `image` with earlier images
-/// @return the images whose edges changed, `image` among them, each once, ascending
 /// REQUIRES: image == graph.size(), the next one; valid options, the same at every call.
 /// Cost: O(pairs + edges of the images whose best pair is among them). Deterministic.
-std::vector<ImageId> select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
-                                  std::span<const VerifiedPairPtr> pairs,
-                                  const EdgeSelectionOptions& options);
+EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
+                         std::span<const VerifiedPairPtr> pairs,
+                         const EdgeSelectionOptions& options);
 
 }  // namespace psfm

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,11 @@ struct SolveState {
     /// Images that were in the model when all of it was last adjusted: decides when it has grown by
     /// eta_grow.
     std::uint32_t images_at_full_adjustment = 0;
+    /// The last time that a model of this cluster contradicted the averaged rotations: how much the
+    /// better of the old model and a new one did, and with how many images. Nothing is gained by
+    /// solving new again before either has grown.
+    double tolerated_contradiction_deg = 0.0;
+    std::uint32_t images_at_contradiction = 0;
     bool operator==(const SolveState&) const = default;
 };
 
@@ -41,20 +47,34 @@ struct ClusterProblem {
     std::vector<ClusterImage> images;  ///< members, ascending by id
     std::map<CameraId, Camera> cameras;  ///< as accepted; every camera of `images`
     std::vector<VerifiedPairPtr> pairs;  ///< edges with both ends in the cluster, ascending
-    /// The model to extend: all its images are members. Null: solve anew.
-    std::shared_ptr<const Reconstruction> recycled;
-    SolveState recycled_state;
+    /// Models to start from, most images first; images that are no members are left out. None:
+    /// solve new; one: extend it; several: join them, and extend the result (transfer).
+    std::vector<std::shared_ptr<const Reconstruction>> recycled;
+    SolveState recycled_state;  ///< of the first
     bool fix_intrinsics = false;
     bool settle = false;  ///< no image is to be added: adjust all of the model to convergence
     std::uint64_t seed = 0;
 };
 
 /// How a solution came about (paper, fig. "reconstruction").
-enum class SolveKind : std::uint8_t { kTooSmall, kNew, kExtend, kSettle };
+enum class SolveKind : std::uint8_t { kTooSmall, kNew, kExtend, kTransfer, kSettle };
 const char* name_of(SolveKind kind);
+
+/// Where a model contradicts the averaged rotations most (paper: rho_l).
+struct Contradiction {
+    ImagePair pair;            ///< the worst edge
+    double angle_deg = 0.0;    ///< between its averaged and its reconstructed relative rotation
+    std::uint32_t edges = 0;   ///< edges with both images in the model
+    std::uint32_t beyond = 0;  ///< those of them that contradict by more than rho_l,max
+};
 
 struct SolveStatistics {
     SolveKind kind = SolveKind::kNew;
+    std::uint32_t joined_models = 0;  ///< recycled models that could be joined to the first
+    std::uint32_t left_models = 0;    ///< and those that could not
+    /// Of the recycled model, when it was given up for a new one (paper sec. "Detection of Bad
+    /// Configurations").
+    std::optional<Contradiction> reset;
     std::uint32_t registered = 0;     ///< images added by this solve
     std::uint32_t removed_edges = 0;  ///< edges dropped from the local graph by rotation averaging
     std::uint32_t full_adjustments = 0;

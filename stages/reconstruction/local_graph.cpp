@@ -3,6 +3,7 @@
 #include "stages/reconstruction/local_graph.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/calibrate_focals.h"
@@ -30,8 +31,9 @@ Camera with_focal(Camera verified, const Camera& believed) {
 Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem,
                                                     const SolveOptions& options) {
     std::map<CameraId, Camera> cameras = problem.cameras;
-    if (problem.recycled) {
-        for (const auto& [id, camera] : problem.recycled->cameras) {
+    // The largest model comes first and has the last word.
+    for (const auto& model : std::views::reverse(problem.recycled)) {
+        for (const auto& [id, camera] : model->cameras) {
             if (cameras.contains(id)) cameras[id] = camera;
         }
     }
@@ -109,6 +111,8 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     if (!averaged.ok()) return averaged.error();
     for (const std::uint32_t edge : edges_within(*averaged, options.max_edge_error_deg))
         graph.pairs.push_back(pairs[edge]);
+    graph.rotations = averaged->node_from_reference;
+    graph.component = averaged->component;
     graph.removed_edges = static_cast<std::uint32_t>(problem.pairs.size() - graph.pairs.size());
     return graph;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <map>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct LocalGraph {
         cameras;  ///< as accepted, recycled, or calibrated from fundamental matrices
     std::vector<VerifiedPairPtr> pairs;  ///< ascending; relative poses as with `cameras`
     std::uint32_t removed_edges = 0;
+    /// Averaged rotations by local image (cam_from_cluster), comparable within one component only.
+    std::vector<Eigen::Quaterniond> rotations;
+    std::vector<std::uint32_t> component;  ///< by local image, of the pairs before any was dropped
 };
 
 /// Calibrates unknown focal lengths, averages rotations, drops outlier edges

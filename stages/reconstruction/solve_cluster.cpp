@@ -6,9 +6,11 @@
 #include <chrono>
 #include <exception>
 
+#include "stages/reconstruction/contradiction.h"
 #include "stages/reconstruction/grow_model.h"
 #include "stages/reconstruction/initialize_model.h"
 #include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
 
 namespace psfm {
@@ -42,12 +44,20 @@ void use_cameras(WorkingModel& model, const LocalGraph& graph) {
     for (const auto& [id, camera] : graph.cameras) model.mutable_camera(id) = camera;
 }
 
-/// A model grown from one start.
+/// A finished model.
 struct Attempt {
     Reconstruction model;
     SolveState state;
     SolveStatistics statistics;
+    Contradiction contradiction;
 };
+
+/// Takes a model over that nothing will change any more.
+void finish(Attempt& attempt, const WorkingModel& model, const LocalGraph& graph,
+            const SolveOptions& options) {
+    attempt.model = model.save();
+    attempt.contradiction = find_contradiction(model, graph, options.max_contradiction_deg);
+}
 
 /// Starts from the best pair; from another one when most images stayed out. Keeps the larger model.
 Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph,
@@ -73,7 +83,7 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
             if (adjustments.ok()) {
                 attempt.statistics.full_adjustments += *adjustments;
                 attempt.state.images_at_full_adjustment = model.registered_count();
-                attempt.model = model.save();
+                finish(attempt, model, graph, options);
                 best = std::move(attempt);
             }
         }
@@ -86,25 +96,77 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
     return best;
 }
 
-Result<Attempt> solve_extend(const ClusterProblem& problem, const LocalGraph& graph,
-                             const CorrespondenceGraph& matches, const SolveOptions& options,
-                             const std::atomic<bool>* cancel) {
+/// Joins what is recycled, adds the other images, and adjusts.
+Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& graph,
+                               const CorrespondenceGraph& matches, const SolveOptions& options,
+                               const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
     use_cameras(model, graph);
-    model.load(*problem.recycled);
     Attempt attempt;
     attempt.state = problem.recycled_state;
+    const Recycling recycling = load_recycled(model, problem, graph, options);
+    attempt.statistics.joined_models = recycling.joined;
+    attempt.statistics.left_models = recycling.left;
+    const auto refine = [&](const RefinementOptions& refinement) -> Result<void> {
+        const auto adjustments = refine_model(model, problem.fix_intrinsics, refinement, options);
+        if (!adjustments.ok()) return adjustments.error();
+        attempt.statistics.full_adjustments += *adjustments;
+        attempt.state.images_at_full_adjustment = model.registered_count();
+        return {};
+    };
+    if (recycling.joined > 0) {
+        if (const auto done = refine(options.growth); !done.ok()) return done.error();
+    }
     const auto grown =
         grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
     if (problem.settle) {
-        const auto adjustments =
-            refine_model(model, problem.fix_intrinsics, options.settling, options);
-        if (!adjustments.ok()) return adjustments.error();
-        attempt.statistics.full_adjustments += *adjustments;
-        attempt.state.images_at_full_adjustment = model.registered_count();
+        if (const auto done = refine(options.settling); !done.ok()) return done.error();
     }
-    attempt.model = model.save();
+    finish(attempt, model, graph, options);
+    attempt.statistics.kind = problem.settle                ? SolveKind::kSettle
+                              : problem.recycled.size() > 1 ? SolveKind::kTransfer
+                                                            : SolveKind::kExtend;
+    return attempt;
+}
+
+/// Whether a model that was recycled is to be given up (paper sec. "Detection of Bad
+/// Configurations"). One that has been compared with a new one before has to have become worse, or
+/// larger by a quarter (ours): else an ambiguous cluster would be solved new with every image.
+bool contradicts_itself(const Attempt& attempt, const SolveOptions& options) {
+    const double angle = attempt.contradiction.angle_deg;
+    if (angle <= options.max_contradiction_deg) return false;
+    const bool worse = angle > 1.5 * attempt.state.tolerated_contradiction_deg;
+    const bool larger =
+        4 * attempt.model.images.size() > 5 * std::size_t{attempt.state.images_at_contradiction};
+    return worse || larger;
+}
+
+/// Whether a new model is the better one: fewer of its edges contradict, and it is not much
+/// smaller.
+bool is_better(const Attempt& fresh, const Attempt& old) {
+    const auto part = [](const Contradiction& contradiction) {
+        return static_cast<double>(contradiction.beyond) / std::max(1U, contradiction.edges);
+    };
+    return part(fresh.contradiction) < part(old.contradiction) &&
+           5 * fresh.model.images.size() >= 4 * old.model.images.size();
+}
+
+/// Extends what is recycled, or solves new when the result contradicts the averaged rotations.
+Result<Attempt> solve_or_reset(const ClusterProblem& problem, const LocalGraph& graph,
+                               const CorrespondenceGraph& matches, const SolveOptions& options,
+                               const std::atomic<bool>* cancel) {
+    auto attempt = solve_recycled(problem, graph, matches, options, cancel);
+    if (!attempt.ok() || !contradicts_itself(*attempt, options)) return attempt;
+    auto fresh = solve_new(problem, graph, matches, options, cancel);
+    if (!fresh.ok()) return fresh;
+    if (is_better(*fresh, *attempt)) {
+        fresh->statistics.reset = attempt->contradiction;
+        attempt = std::move(fresh);
+    }
+    attempt->state.tolerated_contradiction_deg = attempt->contradiction.angle_deg;
+    attempt->state.images_at_contradiction =
+        static_cast<std::uint32_t>(attempt->model.images.size());
     return attempt;
 }
 
@@ -139,14 +201,11 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
         const auto graph = make_local_graph(problem, options);
         if (!graph.ok()) return graph.error();
         const CorrespondenceGraph matches = correspondences_of(problem, *graph);
-        const bool extend = problem.recycled && !problem.recycled->empty();
-        auto attempted = extend ? solve_extend(problem, *graph, matches, options, cancel)
-                                : solve_new(problem, *graph, matches, options, cancel);
+        auto attempted = problem.recycled.empty()
+                             ? solve_new(problem, *graph, matches, options, cancel)
+                             : solve_or_reset(problem, *graph, matches, options, cancel);
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
-        attempt.statistics.kind = !extend          ? SolveKind::kNew
-                                  : problem.settle ? SolveKind::kSettle
-                                                   : SolveKind::kExtend;
         attempt.statistics.removed_edges = graph->removed_edges;
         reason = WaitReason::kNoSeed;
     }
@@ -168,6 +227,8 @@ const char* name_of(SolveKind kind) {
             return "new";
         case SolveKind::kExtend:
             return "extend";
+        case SolveKind::kTransfer:
+            return "transfer";
         case SolveKind::kSettle:
             return "settle";
     }

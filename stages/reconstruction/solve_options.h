@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "graph/result.h"
+#include "stages/merge/merge_options.h"
 #include "stages/reconstruction/absolute_pose.h"
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/bundle_adjustment.h"
@@ -55,6 +56,13 @@ struct SolveOptions {
     /// Images with fewer observations after adjustment are taken out again. Ours: half of the
     /// inliers that registration asks for.
     std::uint32_t min_observations = 10;
+    /// A model whose relative rotations differ by more from the averaged ones contradicts itself
+    /// [deg]. Higher: folded models live on; lower: drift is taken for a fold. Paper: rho_l,max =
+    /// 10.
+    double max_contradiction_deg = 10.0;
+    /// How two models that come together in a cluster are joined. Their cameras may interleave: the
+    /// clustering has found that they belong together.
+    ClusterConstraintOptions transfer{.min_neighborhood_similarity = 0.0};
     InitializationOptions initialization;
     AbsolutePoseOptions absolute_pose;
     TrackOptions tracks;

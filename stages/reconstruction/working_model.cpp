@@ -27,22 +27,26 @@ void WorkingModel::load(const Reconstruction& model) {
     for (const auto& [id, camera] : model.cameras) {
         if (const auto found = cameras_.find(id); found != cameras_.end()) found->second = camera;
     }
+    append(model, Sim3());
+}
+
+void WorkingModel::append(const Reconstruction& model, const Sim3& cluster_from_model) {
     std::map<ImageId, std::uint32_t> local;
-    for (std::uint32_t image = 0; image < image_count(); ++image) local[image_id(image)] = image;
+    for (std::uint32_t image = 0; image < image_count(); ++image) {
+        if (!registered(image)) local[image_id(image)] = image;
+    }
     for (const RegisteredImage& image : model.images) {
-        if (const auto found = local.find(image.image); found != local.end()) {
-            set_pose(found->second, image.cam_from_cluster);
-        }
+        if (const auto found = local.find(image.image); found != local.end())
+            set_pose(found->second, transform_pose(image.cam_from_cluster, cluster_from_model));
     }
     for (const ScenePoint& point : model.points) {
         std::vector<Feature> track;
         for (const Observation& observation : point.track) {
             const auto found = local.find(observation.image);
-            if (found != local.end() && registered(found->second)) {
+            if (found != local.end() && registered(found->second))
                 track.push_back({found->second, observation.feature});
-            }
         }
-        if (track.size() >= 2) add_point(point.position, std::move(track));
+        if (track.size() >= 2) add_point(cluster_from_model * point.position, std::move(track));
     }
 }
 
@@ -80,11 +84,13 @@ void WorkingModel::remove_image(std::uint32_t image) {
     }
     poses_[image].reset();
     --registered_count_;
+    count_visible(image);
 }
 
 void WorkingModel::link(const Feature& feature, std::uint32_t point) {
     point_of_[feature.image][feature.feature] = point;
     for (const Feature& match : matches_->matches(feature)) {
+        if (registered(match.image)) continue;
         if (visible_links_[match.image][match.feature]++ == 0)
             pyramids_[match.image].add(pixel(match));
     }
@@ -93,8 +99,21 @@ void WorkingModel::link(const Feature& feature, std::uint32_t point) {
 void WorkingModel::unlink(const Feature& feature) {
     point_of_[feature.image][feature.feature] = kNoPoint;
     for (const Feature& match : matches_->matches(feature)) {
+        if (registered(match.image)) continue;
         if (--visible_links_[match.image][match.feature] == 0)
             pyramids_[match.image].remove(pixel(match));
+    }
+}
+
+void WorkingModel::count_visible(std::uint32_t image) {
+    const Camera& seen_by = camera(image);
+    pyramids_[image] = VisibilityPyramid(seen_by.width, seen_by.height);
+    for (std::uint32_t feature = 0; feature < visible_links_[image].size(); ++feature) {
+        const auto& matches = matches_->matches({image, feature});
+        const auto links = std::ranges::count_if(
+            matches, [&](const Feature& match) { return point_of(match) != kNoPoint; });
+        visible_links_[image][feature] = static_cast<std::uint16_t>(links);
+        if (links > 0) pyramids_[image].add(pixel({image, feature}));
     }
 }
 

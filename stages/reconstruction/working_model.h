@@ -12,6 +12,7 @@
 
 #include "graph/camera.h"
 #include "graph/reconstruction.h"
+#include "graph/sim3.h"
 #include "stages/reconstruction/cluster_problem.h"
 #include "stages/reconstruction/correspondence_graph.h"
 #include "stages/reconstruction/visibility_pyramid.h"
@@ -23,8 +24,8 @@ namespace psfm {
 /// in points().
 ///
 /// Invariants: a feature observes at most one point; a point observes registered images only, each
-/// at most once, and at least two of them (removing more removes the point); visible_score(i)
-/// follows every change. Not thread-safe; owned by one solve.
+/// at most once, and at least two of them (removing more removes the point); visible_score(i) of an
+/// unregistered image follows every change. Not thread-safe; owned by one solve.
 class WorkingModel {
   public:
     using Feature = CorrespondenceGraph::Feature;
@@ -41,6 +42,9 @@ class WorkingModel {
     /// Takes over poses, intrinsics and points of an earlier model. REQUIRES: nothing registered
     /// yet.
     void load(const Reconstruction& model);
+    /// Takes over the poses of images that are not registered yet, and the points that these
+    /// observe, moved into this model's frame. Intrinsics stay as they are.
+    void append(const Reconstruction& model, const Sim3& cluster_from_model);
     /// The result, with removed points left out.
     Reconstruction save() const;
 
@@ -80,7 +84,7 @@ class WorkingModel {
     void remove_observation(const Feature& feature);
     void remove_point(std::uint32_t point);
 
-    /// Features of an unregistered image that are matched with a triangulated feature.
+    /// Features that are matched with a triangulated feature. REQUIRES: not registered
     std::uint32_t visible_points(std::uint32_t image) const { return pyramids_[image].visible(); }
     /// Higher for more such features, and for a better spread over the image.
     std::uint64_t visible_score(std::uint32_t image) const { return pyramids_[image].score(); }
@@ -101,6 +105,7 @@ class WorkingModel {
   private:
     void link(const Feature& feature, std::uint32_t point);
     void unlink(const Feature& feature);
+    void count_visible(std::uint32_t image);
 
     const ClusterProblem* problem_;
     const CorrespondenceGraph* matches_;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 namespace psfm {
@@ -52,21 +53,36 @@ std::size_t count_inside(std::span<const Keypoint> keypoints, const AffineMap& m
     }));
 }
 
+std::size_t count_in_hull(std::span<const Keypoint> keypoints,
+                          const std::vector<Eigen::Vector2d>& matched) {
+    std::vector<cv::Point2f> points;
+    for (const Eigen::Vector2d& point : matched)
+        points.emplace_back(static_cast<float>(point.x()), static_cast<float>(point.y()));
+    std::vector<cv::Point2f> hull;
+    cv::convexHull(points, hull);
+    return static_cast<std::size_t>(std::ranges::count_if(keypoints, [&](const Keypoint& keypoint) {
+        return cv::pointPolygonTest(hull, {keypoint.x, keypoint.y}, false) >= 0.0;
+    }));
+}
+
 }  // namespace
 
-double match_density(const MatchedViews& views, std::span<const FeatureMatch> inliers) {
-    if (inliers.empty()) return 0.0;
+MatchDensity match_density(const MatchedViews& views, std::span<const FeatureMatch> inliers) {
+    if (inliers.empty()) return {};
     std::vector<Eigen::Vector2d> first;
     std::vector<Eigen::Vector2d> second;
     for (const FeatureMatch& match : inliers) {
         first.push_back(views.keypoints1[match.first].position());
         second.push_back(views.keypoints2[match.second].position());
     }
-    const std::size_t shared =
-        std::min(count_inside(views.keypoints1, fit_affine(first, second), views.camera2),
-                 count_inside(views.keypoints2, fit_affine(second, first), views.camera1));
-    return static_cast<double>(inliers.size()) /
-           static_cast<double>(std::max(shared, inliers.size()));
+    const auto density = [&](std::size_t in_first, std::size_t in_second) {
+        const std::size_t could_match = std::max(std::min(in_first, in_second), inliers.size());
+        return static_cast<double>(inliers.size()) / static_cast<double>(could_match);
+    };
+    return {
+        density(count_inside(views.keypoints1, fit_affine(first, second), views.camera2),
+                count_inside(views.keypoints2, fit_affine(second, first), views.camera1)),
+        density(count_in_hull(views.keypoints1, first), count_in_hull(views.keypoints2, second))};
 }
 
 }  // namespace psfm

@@ -130,7 +130,9 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
     if (geometry.inliers.size() < required)
         return degenerate(geometry.inliers.size(), count, required);
     if (lie_on_a_line(problem, *model, options)) return on_a_line();
-    geometry.match_density = match_density(views, geometry.inliers);
+    const MatchDensity density = match_density(views, geometry.inliers);
+    geometry.match_density = density.shared;
+    geometry.core_density = density.core;
     return geometry;
 }
 
@@ -170,6 +172,7 @@ Result<TwoViewGeometry> with_intrinsics(const TwoViewGeometry& geometry, const M
     if (seen.inliers.size() < fewest)
         return degenerate(seen.inliers.size(), problem.matches.size(), fewest);
     seen.match_density = geometry.match_density;
+    seen.core_density = geometry.core_density;
     return seen;
 }
 

@@ -39,9 +39,29 @@ Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& placed, bo
     solve.problem.topology = solve.solution.topology = entry.topology;
     solve.problem.settle = settle;
     auto model = std::make_shared<Reconstruction>();
-    for (const ImageId id : placed) model->images.push_back({id, {}, {}});
+    model->cameras[CameraId{}] = Camera{};
+    for (const ImageId id : placed) model->images.push_back({id, CameraId{}, {}});
     solve.solution.model = model;
     return solve;
+}
+
+/// The models that the next solve starts from, by the images they place.
+std::vector<std::vector<ImageId>> material_of(const ClusterEntry& entry) {
+    std::vector<std::vector<ImageId>> models;
+    for (const RecycledModel& recycled : entry.material) {
+        models.emplace_back();
+        for (const RegisteredImage& placed : recycled.model->images)
+            models.back().push_back(placed.image);
+    }
+    return models;
+}
+using Models = std::vector<std::vector<ImageId>>;
+
+void solve_dirty(ClusterTable& table) {
+    for (const ClusterEntry* entry : table.take_dirty()) {
+        const Solve solve = solve_of(*entry, table.images_of(*entry));
+        table.finish(solve.problem, solve.solution);
+    }
 }
 
 TEST(ClusterTable, SolvesADirtyClusterOnce) {
@@ -77,7 +97,7 @@ TEST(ClusterTable, AResultForAnOutdatedTopologyBecomesMaterial) {
     EXPECT_EQ(table.coalesced(), 1U);
     const auto again = table.take_dirty();
     ASSERT_EQ(again.size(), 1U);
-    EXPECT_EQ(again.front()->material, solve.solution.model) << "never thrown away";
+    EXPECT_EQ(material_of(*again.front()), Models{images({0, 1, 2})}) << "never thrown away";
     EXPECT_EQ(again.front()->model, nullptr);
 }
 
@@ -89,10 +109,10 @@ TEST(ClusterTable, GrowingExtendsTheModel) {
     EXPECT_TRUE(table.apply(members(0, {0, 1, 2, 3})).empty());
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    EXPECT_EQ(dirty.front()->material, solve.solution.model);
+    EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})});
 }
 
-TEST(ClusterTable, JoinedModelsAreSolvedAnew) {
+TEST(ClusterTable, JoinedModelsAreBothMaterial) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
     table.apply(members(1, {3, 4, 5}));
@@ -104,34 +124,85 @@ TEST(ClusterTable, JoinedModelsAreSolvedAnew) {
     join.removed = {cluster(1)};
     join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
     const auto changes = table.apply(join);
-    ASSERT_EQ(changes.size(), 1U);
-    EXPECT_EQ(changes.front().kind, ClusterChange::Kind::kJoin);
-    EXPECT_EQ(changes.front().others, std::vector{cluster(1)});
+    ASSERT_EQ(changes.size(), 2U);
+    EXPECT_EQ(changes.front().kind, ClusterChange::Kind::kTransfer);
+    EXPECT_EQ(changes.front().images, 3U);
+    EXPECT_EQ(changes.back().kind, ClusterChange::Kind::kJoin);
+    EXPECT_EQ(changes.back().others, std::vector{cluster(1)});
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    EXPECT_EQ(dirty.front()->material, nullptr);
+    EXPECT_EQ(material_of(*dirty.front()), (Models{images({0, 1, 2}), images({3, 4, 5})}));
+    EXPECT_EQ(dirty.front()->material.back().cluster, cluster(1)) << "so that it can be stored";
+    EXPECT_EQ(dirty.front()->material.back().revision, 1U);
     EXPECT_NE(dirty.front()->model, nullptr)
         << "what was published stays until the new model is there";
     EXPECT_EQ(table.entries().size(), 1U);
     EXPECT_EQ(table.of(image(4)).id, cluster(0));
 }
 
-TEST(ClusterTable, ASplitModelIsWithdrawnAndSolvedAnew) {
+TEST(ClusterTable, ASplitModelIsWithdrawnAndBothPartsKeepTheirs) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2, 3, 4, 5}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4, 5}));
-    table.finish(solve.problem, solve.solution);
+    solve_dirty(table);
     ClusteringEdit split;
     split.changed = {{cluster(0), images({0, 1, 2})}, {cluster(1), images({3, 4, 5})}};
     split.moved.push_back({cluster(0), cluster(1), images({3, 4, 5})});
     const auto changes = table.apply(split);
-    EXPECT_FALSE(changes.empty());
+    ASSERT_EQ(changes.size(), 2U);
+    EXPECT_EQ(changes[0].kind, ClusterChange::Kind::kSplit);
+    EXPECT_EQ(changes[1].kind, ClusterChange::Kind::kTransfer);
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 2U);
-    for (const ClusterEntry* entry : dirty) {
-        EXPECT_EQ(entry->material, nullptr);
+    EXPECT_EQ(material_of(*dirty[0]), Models{images({0, 1, 2})});
+    EXPECT_EQ(material_of(*dirty[1]), Models{images({3, 4, 5})});
+    for (const ClusterEntry* entry : dirty)
         EXPECT_EQ(entry->model, nullptr) << "no image may stand in two models";
-    }
+}
+
+TEST(ClusterTable, AGroupBelowMuMinBringsNoModel) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2, 3, 4}));
+    table.apply(members(1, {5, 6, 7}));
+    solve_dirty(table);
+    ClusteringEdit move;
+    move.changed = {{cluster(0), images({0, 1, 2})}, {cluster(1), images({3, 4, 5, 6, 7})}};
+    move.moved.push_back({cluster(0), cluster(1), images({3, 4})});
+    table.apply(move);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 2U);
+    EXPECT_EQ(material_of(*dirty[1]), Models{images({5, 6, 7})});
+}
+
+TEST(ClusterTable, PartsOfSeveralEditsComeTogether) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {3, 4, 5}));
+    table.apply(members(2, {6, 7, 8}));
+    solve_dirty(table);
+    ClusteringEdit first = members(0, {0, 1, 2, 3, 4, 5});
+    first.removed = {cluster(1)};
+    first.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
+    table.apply(first);
+    ClusteringEdit second = members(2, {0, 1, 2, 3, 4, 5, 6, 7, 8});
+    second.removed = {cluster(0)};
+    second.moved.push_back({cluster(0), cluster(2), images({0, 1, 2, 3, 4, 5})});
+    table.apply(second);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(material_of(*dirty.front()),
+              (Models{images({6, 7, 8}), images({0, 1, 2}), images({3, 4, 5})}));
+}
+
+TEST(ClusterTable, ALostEdgeMakesACleanClusterDirty) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    solve_dirty(table);
+    EXPECT_FALSE(table.busy());
+    table.make_dirty(std::vector{cluster(0)});
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(dirty.front()->topology, 2U);
+    EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})});
 }
 
 TEST(ClusterTable, ResultsFromBeforeAJoinAreNoMaterial) {
@@ -150,7 +221,7 @@ TEST(ClusterTable, ResultsFromBeforeAJoinAreNoMaterial) {
     EXPECT_EQ(table.finish(outdated.problem, outdated.solution), nullptr);
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    EXPECT_EQ(dirty.front()->material, nullptr);
+    EXPECT_EQ(material_of(*dirty.front()), Models{images({3, 4, 5})});
 }
 
 TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
@@ -193,7 +264,7 @@ TEST(ClusterTable, AGuestIsPlacedByItsHost) {
     EXPECT_TRUE(table.images_of(table.entries().at(cluster(1))).empty());
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U) << "the host tries its guest";
-    EXPECT_EQ(dirty.front()->material, solve.solution.model) << "and keeps what it has";
+    EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})}) << "and keeps what it has";
     const Solve with_guest = solve_of(*dirty.front(), images({0, 1, 2, 3}));
     EXPECT_NE(table.finish(with_guest.problem, with_guest.solution), nullptr);
 
@@ -204,7 +275,8 @@ TEST(ClusterTable, AGuestIsPlacedByItsHost) {
     EXPECT_EQ(table.of(image(3)).id, cluster(1));
     const auto both = table.take_dirty();
     ASSERT_EQ(both.size(), 2U);
-    EXPECT_EQ(both.front()->material, with_guest.solution.model);
+    EXPECT_EQ(material_of(*both.front()), Models{images({0, 1, 2, 3})})
+        << "it is left out when the model is loaded";
     EXPECT_EQ(table.images_of(*both.front()), images({0, 1, 2}));
 }
 

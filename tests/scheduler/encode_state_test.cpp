@@ -8,7 +8,10 @@ namespace psfm {
 namespace {
 
 TEST(EncodeState, SolveStateSurvives) {
-    const StoredSolveState state{{.images_at_full_adjustment = 17}, true};
+    const StoredSolveState state{{.images_at_full_adjustment = 17,
+                                  .tolerated_contradiction_deg = 12.5,
+                                  .images_at_contradiction = 20},
+                                 true};
     const StoredSolveState back = decode_solve_state(encode_solve_state(state));
     EXPECT_EQ(back.state, state.state);
     EXPECT_TRUE(back.settled);
@@ -29,18 +32,21 @@ TEST(EncodeState, SummarySurvives) {
     summary.counts.solves_extend = 5;
     summary.waiting = {{static_cast<ImageId>(3), WaitReason::kTooFewMatches},
                        {static_cast<ImageId>(9), WaitReason::kNoSeed}};
+    summary.events = {{36, "reset", "cluster 0 was reset: …"}, {40, "join", "cluster 0 …"}};
     const auto back = decode_summary(encode_summary(summary));
     ASSERT_TRUE(back.ok());
     EXPECT_EQ(back->counts.placed, 8U);
     EXPECT_EQ(back->counts.version, 12U);
     EXPECT_EQ(back->counts.solves_extend, 5U);
     EXPECT_EQ(back->waiting, summary.waiting);
+    EXPECT_EQ(back->events, summary.events);
 }
 
 TEST(EncodeState, DamagedSummaryIsReported) {
     EXPECT_TRUE(decode_summary("").ok()) << "an empty session has none";
-    for (const char* text : {"{", "[]", "{\"waiting_images\":[[1]]}", "{\"waiting_images\":3}",
-                             "{\"placed\":\"x\",\"waiting_images\":[]}"}) {
+    for (const char* text :
+         {"{", "[]", "{\"waiting_images\":[[1]]}", "{\"waiting_images\":3}",
+          "{\"placed\":\"x\",\"waiting_images\":[]}", "{\"waiting_images\":[],\"events\":[{}]}"}) {
         ASSERT_FALSE(decode_summary(text).ok()) << text;
         EXPECT_EQ(decode_summary(text).error().code, ErrorCode::kDamaged);
     }

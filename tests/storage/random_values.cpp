@@ -111,6 +111,8 @@ VerifiedPairPtr random_pair(ImageId first, ImageId second, std::uint32_t feature
     for (int i = 0; i < 9; ++i) geometry.matrix(i / 3, i % 3) = uniform(rng, -1, 1);
     geometry.cam2_from_cam1 = random_motion(rng);
     geometry.median_angle_deg = uniform(rng, 0, 40);
+    geometry.match_density = uniform(rng, 0, 1);
+    geometry.core_density = uniform(rng, 0, 1);
     const std::uint32_t count = below(rng, features + 1);
     std::vector<std::uint32_t> firsts = distinct(count, features, rng);
     const std::vector<std::uint32_t> seconds = distinct(count, features, rng);
@@ -172,13 +174,15 @@ bool same(const VerifiedPair& a, const VerifiedPair& b) {
            a.geometry.matrix == b.geometry.matrix &&
            same(a.geometry.cam2_from_cam1, b.geometry.cam2_from_cam1) &&
            a.geometry.median_angle_deg == b.geometry.median_angle_deg &&
+           a.geometry.match_density == b.geometry.match_density &&
+           a.geometry.core_density == b.geometry.core_density &&
            a.geometry.inliers == b.geometry.inliers;
 }
 
 bool same(const StoredCluster& a, const StoredCluster& b) {
     return a.id == b.id && a.members == b.members && a.topology == b.topology &&
            a.solved_topology == b.solved_topology && a.revision == b.revision &&
-           a.anew_topology == b.anew_topology;
+           a.transfer_topology == b.transfer_topology && a.recycled == b.recycled;
 }
 
 bool same_poses(const Reconstruction& a, const Reconstruction& b) {

@@ -45,6 +45,9 @@ Result<Status> read_status(const std::string& session) {
 
 void print_json(const Status& status) {
     const SessionCounts& counts = status.summary.counts;
+    nlohmann::ordered_json events = nlohmann::ordered_json::array();
+    for (const PastEvent& event : status.summary.events)
+        events.push_back({{"image", event.image}, {"event", event.kind}, {"text", event.text}});
     std::cout << nlohmann::ordered_json{{"images", counts.images},
                                         {"placed", counts.placed},
                                         {"waiting", counts.waiting},
@@ -55,9 +58,11 @@ void print_json(const Status& status) {
                                         {"resets", counts.resets},
                                         {"solves_new", counts.solves_new},
                                         {"solves_extend", counts.solves_extend},
+                                        {"solves_transfer", counts.solves_transfer},
                                         {"solves_settle", counts.solves_settle},
                                         {"solves_skipped", counts.solves_skipped},
-                                        {"solves_coalesced", counts.solves_coalesced}}
+                                        {"solves_coalesced", counts.solves_coalesced},
+                                        {"events", std::move(events)}}
                      .dump()
               << '\n';
 }
@@ -70,14 +75,17 @@ void print_text(const Status& status) {
               << counts.clusters << " clusters in " << counts.effective_clusters
               << " connected parts, " << counts.resets << " resets\n"
               << "solves: " << counts.solves_new << " new, " << counts.solves_extend
-              << " extended, " << counts.solves_settle << " settled, " << counts.solves_coalesced
-              << " coalesced, " << counts.solves_skipped << " skipped\n";
+              << " extended, " << counts.solves_transfer << " transferred, " << counts.solves_settle
+              << " settled, " << counts.solves_coalesced << " coalesced, " << counts.solves_skipped
+              << " skipped\n";
     for (const auto& [image, reason] : status.summary.waiting) {
         if (index_of(image) < status.images.size()) {
             std::cout << "waiting   " << status.images[index_of(image)].name << ": "
                       << describe(reason) << '\n';
         }
     }
+    for (const PastEvent& event : status.summary.events)
+        std::cout << "image " << event.image << "  " << event.kind << ": " << event.text << '\n';
     for (const RejectedPhoto& photo : status.rejected)
         std::cout << "rejected  " << photo.reason << '\n';
 }

@@ -31,7 +31,7 @@ struct Session {
     ViewGraph graph;
     EdgeSelectionOptions options;
 
-    std::vector<ImageId> arrive(const Pairs& pairs) {
+    EdgeChanges arrive(const Pairs& pairs) {
         return select_edges(selection, graph, static_cast<ImageId>(graph.size()), pairs, options);
     }
     bool has(std::uint32_t a, std::uint32_t b) const {
@@ -62,7 +62,8 @@ TEST(SelectEdges, LookAlikeStaysWhileNothingBetterIsKnownAndGoesThen) {
     EXPECT_FALSE(session.has(0, 1));
     EXPECT_TRUE(session.has(0, 2));
     EXPECT_TRUE(session.has(1, 3));
-    EXPECT_EQ(changed, (std::vector<ImageId>{ImageId{0}, ImageId{1}, ImageId{3}}));
+    EXPECT_EQ(changed.images, (std::vector<ImageId>{ImageId{0}, ImageId{1}, ImageId{3}}));
+    EXPECT_EQ(changed.removed, std::vector{ImagePair::of(ImageId{0}, ImageId{1})});
     EXPECT_EQ(session.graph.edge_count(), 2U);
 }
 
@@ -75,6 +76,15 @@ TEST(SelectEdges, WideBaselinesArePlausibleWithFewMatches) {
     EXPECT_LT(at(0.03, 0.5), 0.3);
     EXPECT_EQ(at(0.01, 90.0), 1.0);
     EXPECT_EQ(at(0.0, 1.0), 1.0) << "an unknown density casts no doubt";
+}
+
+TEST(SelectEdges, DenselyMatchedCoreIsPlausible) {
+    // A walk down a street: its far end alone is shared, but there every other feature matches.
+    auto far_end = *make_pair(0, 1, 50, 0.01, 0.5);
+    far_end.geometry.core_density = 0.3;
+    EXPECT_EQ(plausibility(far_end.geometry, {}), 1.0);
+    far_end.geometry.core_density = 0.04;
+    EXPECT_LT(plausibility(far_end.geometry, {}), 0.2);
 }
 
 TEST(SelectEdges, PaperTakesEveryPair) {
@@ -90,8 +100,12 @@ TEST(SelectEdges, RefusesSenselessOptions) {
     EXPECT_TRUE(validate(EdgeSelectionOptions{}).ok());
     EXPECT_FALSE(validate(EdgeSelectionOptions{.min_inliers = 0}).ok());
     EXPECT_FALSE(validate(EdgeSelectionOptions{.min_relative_plausibility = 1.1}).ok());
-    EXPECT_FALSE(validate(EdgeSelectionOptions{.density_floor = 0.0}).ok());
-    EXPECT_FALSE(validate(EdgeSelectionOptions{.density_decay_deg = 0.0}).ok());
+    EdgeSelectionOptions no_floor;
+    no_floor.shared.floor = 0.0;
+    EXPECT_FALSE(validate(no_floor).ok());
+    EdgeSelectionOptions no_decay;
+    no_decay.core.decay_deg = 0.0;
+    EXPECT_FALSE(validate(no_decay).ok());
 }
 
 /// Random pairs of images, by the images' true numbers.
@@ -127,9 +141,10 @@ std::set<ImagePair> edges_after(const Pairs& pairs, const std::vector<std::uint3
         const auto before = session.selection.edges;
         const auto changed = session.arrive(arriving);
         for (std::uint32_t image = 0; image < i; ++image) {
-            const bool reported = std::ranges::binary_search(changed, ImageId{image});
-            if (before[image].size() != session.selection.edges[image].size())
+            const bool reported = std::ranges::binary_search(changed.images, ImageId{image});
+            if (before[image].size() != session.selection.edges[image].size()) {
                 EXPECT_TRUE(reported) << image;
+            }
         }
     }
     std::set<ImagePair> edges;

@@ -83,14 +83,14 @@ TEST(SolveCluster, ExtendsAModelAsWellAsSolvingAnew) {
     ASSERT_TRUE(ten.ok());
     ClusterProblem second = problem_of(scene, pairs);
     second.fix_intrinsics = true;
-    second.recycled = ten->model;
+    second.recycled = {ten->model};
     second.recycled_state = ten->state;
     second.settle = true;
     const auto extended = solve_cluster(second, {});
     ASSERT_TRUE(extended.ok());
     EXPECT_EQ(extended->statistics.kind, SolveKind::kSettle);
     EXPECT_EQ(extended->statistics.registered, 4U);
-    second.recycled = nullptr;
+    second.recycled.clear();
     const auto anew = solve_cluster(second, {});
     ASSERT_TRUE(anew.ok());
     EXPECT_EQ(extended->model->images.size(), 14U);

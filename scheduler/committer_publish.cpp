@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The committer's last step: a merged version becomes the published scene.
+#include <algorithm>
+
+#include "scheduler/committer.h"
+#include "scheduler/encode_state.h"
+
+namespace psfm {
+
+namespace {
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
+    merging_ = false;
+    if (!message.result->ok()) return message.result->error();
+    const MergeResult& merged = message.result->value();
+    auto scene = std::make_shared<Scene>();
+    scene->version = state_.scene->version + 1;
+    scene->image_count = state_.verified;
+    scene->effective_clusters = merged.effective_clusters;
+    StoredSceneVersion stored_version;
+    for (const MergeCluster& cluster : message.problem->clusters) {
+        const auto entry = state_.clusters.entries().find(cluster.id);
+        // Gone or solved again since: the next merge, which is due already, shows it.
+        if (entry == state_.clusters.entries().end() || entry->second.model != cluster.model)
+            continue;
+        const auto placement =
+            std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
+        auto shown = std::make_shared<SceneCluster>();
+        shown->id = cluster.id;
+        shown->revision = cluster.revision;
+        shown->members = state_.clusters.images_of(entry->second);
+        shown->model = cluster.model;
+        if (cluster.model && places_others_than(*cluster.model, shown->members)) {
+            // Guests that have a cluster of their own by now; the next solve leaves them out.
+            shown->model = std::make_shared<const Reconstruction>(
+                restricted_to(*cluster.model, shown->members));
+        }
+        shown->world_from_cluster = placement->world_from_cluster;
+        shown->effective_cluster = placement->effective_cluster;
+        stored_version.placements.push_back({shown->id, shown->revision, shown->members,
+                                             shown->world_from_cluster, shown->effective_cluster});
+        scene->clusters.push_back(std::move(shown));
+    }
+    count(*scene);
+    stored_version.version = scene->version;
+    stored_version.image_count = scene->image_count;
+    stored_version.effective_clusters = scene->effective_clusters;
+    stored_version.summary_json = encode_summary(
+        {state_.counts, waiting_images(state_, options_.solve.mu_min), state_.past_events});
+    if (const auto stored = store_->commit_scene(stored_version); !stored.ok()) return stored;
+    state_.constraints = merged.constraints;
+    state_.scene = scene;
+    PublishMessage publish;
+    publish.scene = scene;
+    publish.counts = state_.counts;
+    report_published(*message.problem, message.merge_ms, publish);
+    output.publish = std::move(publish);
+    return {};
+}
+
+void Committer::count(const Scene& scene) {
+    SessionCounts& counts = state_.counts;
+    counts.images = static_cast<std::uint32_t>(state_.images.size());
+    counts.placed = static_cast<std::uint32_t>(placed_count(scene));
+    counts.waiting = counts.images - counts.placed;
+    counts.rejected = state_.rejected;
+    counts.clusters =
+        static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
+            return cluster->model && !cluster->model->empty();
+        }));
+    counts.effective_clusters = scene.effective_clusters;
+    counts.version = scene.version;
+    counts.solves_coalesced = state_.clusters.coalesced();
+}
+
+void Committer::report_published(const MergeProblem& problem, double merge_ms,
+                                 PublishMessage& publish) {
+    for (auto& [index, pending] : state_.pending) {
+        if (pending.published || !pending.verified) continue;
+        const ClusterEntry& entry = state_.clusters.of(static_cast<ImageId>(index));
+        const auto merged =
+            std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
+        const bool shown = merged != problem.clusters.end() && merged->id == entry.id &&
+                           merged->model == entry.model;
+        if (!shown || entry.phase != ClusterPhase::kClean) continue;
+        pending.published = true;
+        pending.report.merge_ms = merge_ms;
+        pending.report.latency_ms = milliseconds_since(pending.arrival);
+        ++images_released_;
+    }
+    // Reports leave in order of arrival: one that is ready waits for those before it.
+    while (!state_.pending.empty() && state_.pending.begin()->second.published) {
+        publish.images.push_back(state_.pending.begin()->second.report);
+        state_.pending.erase(state_.pending.begin());
+    }
+}
+
+}  // namespace psfm

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+/// Compares a model with the averaged rotations, which do not depend on the order in which its
+/// images were added (paper sec. "Detection of Bad Configurations", rho_l): over the local graph's
+/// edges between registered images, the angle between averaged and reconstructed relative rotation.
+/// @param max_deg  from which an edge counts as contradicting
+Contradiction find_contradiction(const WorkingModel& model, const LocalGraph& graph,
+                                 double max_deg);
+
+}  // namespace psfm

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/recycle_models.h"
+
+#include <algorithm>
+#include <numbers>
+#include <optional>
+#include <ranges>
+#include <span>
+#include <vector>
+
+#include "stages/merge/estimate_cluster_constraint.h"
+
+namespace psfm {
+namespace {
+
+std::vector<ImageId> images_of(const Reconstruction& model) {
+    std::vector<ImageId> images;
+    for (const RegisteredImage& image : model.images) images.push_back(image.image);
+    return images;
+}
+
+/// Edges with one image in each of two models.
+std::vector<VerifiedPairPtr> edges_between(const LocalGraph& graph, const Reconstruction& a,
+                                           const Reconstruction& b) {
+    std::vector<VerifiedPairPtr> edges;
+    for (const VerifiedPairPtr& pair : graph.pairs) {
+        const auto [first, second] = pair->pair;
+        const bool straight = a.find(first) != nullptr && b.find(second) != nullptr;
+        const bool reverse = b.find(first) != nullptr && a.find(second) != nullptr;
+        if (straight != reverse) edges.push_back(pair);
+    }
+    return edges;
+}
+
+/// Whether most edges between the models agree with the averaged rotations under a similarity.
+class RotationCheck {
+  public:
+    RotationCheck(const ClusterProblem& problem, const LocalGraph& graph, double max_deg)
+        : problem_(problem), graph_(graph), max_rad_(max_deg * std::numbers::pi / 180.0) {}
+
+    bool agrees(const Reconstruction& base, const Reconstruction& part, const Sim3& base_from_part,
+                std::span<const VerifiedPairPtr> edges) const {
+        std::size_t agreeing = 0;
+        for (const VerifiedPairPtr& pair : edges) {
+            const auto [first, second] = pair->pair;
+            const bool straight = base.find(first) != nullptr;
+            const ImageId in_base = straight ? first : second;
+            const ImageId in_part = straight ? second : first;
+            const Eigen::Quaterniond moved =
+                transform_pose(part.find(in_part)->cam_from_cluster, base_from_part).rotation;
+            const Eigen::Quaterniond reconstructed =
+                moved * base.find(in_base)->cam_from_cluster.rotation.conjugate();
+            const Eigen::Quaterniond averaged =
+                rotation_of(in_part) * rotation_of(in_base).conjugate();
+            if (averaged.angularDistance(reconstructed) <= max_rad_) ++agreeing;
+        }
+        return 2 * agreeing > edges.size();
+    }
+
+  private:
+    const Eigen::Quaterniond& rotation_of(ImageId image) const {
+        const auto found = std::ranges::lower_bound(problem_.images, image, {}, &ClusterImage::id);
+        return graph_.rotations[static_cast<std::size_t>(found - problem_.images.begin())];
+    }
+
+    const ClusterProblem& problem_;
+    const LocalGraph& graph_;
+    double max_rad_;
+};
+
+std::optional<Sim3> base_from_part(const Reconstruction& base, const Reconstruction& part,
+                                   const ClusterProblem& problem, const LocalGraph& graph,
+                                   const SolveOptions& options) {
+    const std::vector<VerifiedPairPtr> edges = edges_between(graph, base, part);
+    if (edges.empty()) return std::nullopt;
+    const ClusterIndex part_index(part, images_of(part));
+    const ClusterIndex base_index(base, images_of(base));
+    const ClusterConstraint constraint =
+        estimate_cluster_constraint(part_index, base_index, edges, options.transfer);
+    if (!constraint.accepted()) return std::nullopt;
+    const RotationCheck check(problem, graph, options.max_contradiction_deg);
+    if (!check.agrees(base, part, constraint.b_from_a, edges)) return std::nullopt;
+    return constraint.b_from_a;
+}
+
+}  // namespace
+
+Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
+                        const SolveOptions& options) {
+    Recycling recycling;
+    model.load(*problem.recycled.front());
+    std::vector<ImageId> members;
+    for (const ClusterImage& image : problem.images) members.push_back(image.id);
+    std::vector<Reconstruction> parts;
+    for (const auto& recycled : problem.recycled | std::views::drop(1))
+        parts.push_back(restricted_to(*recycled, members));
+    bool progress = true;
+    while (progress && !parts.empty()) {
+        progress = false;
+        const Reconstruction base = model.save();
+        for (auto part = parts.begin(); part != parts.end(); ++part) {
+            const auto similarity = base_from_part(base, *part, problem, graph, options);
+            if (!similarity) continue;
+            model.append(*part, *similarity);
+            parts.erase(part);
+            ++recycling.joined;
+            progress = true;
+            break;
+        }
+    }
+    recycling.left = static_cast<std::uint32_t>(parts.size());
+    return recycling;
+}
+
+}  // namespace psfm

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/solve_options.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+struct Recycling {
+    std::uint32_t joined = 0;  ///< models joined to the first
+    std::uint32_t left = 0;    ///< models that found no place: their images are added one by one
+};
+
+/// Loads the problem's recycled models (paper sec. "Cluster Reconstruction", transfer): the first
+/// as it is, each other one moved onto what is there by the similarity that the 3D-3D
+/// correspondences of the local graph's edges between them agree on, if the relative rotations it
+/// brings about agree with the averaged ones. Models that find no place are tried again after each
+/// one that does. Nothing is adjusted; tracks are not fused yet.
+/// REQUIRES: nothing registered in `model` yet, problem.recycled not empty. Deterministic.
+Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
+                        const SolveOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a cluster's solve makes of the models that its images bring along: transfer, and reset.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "stages/reconstruction/solve_cluster.h"
+#include "tests/stages/reconstruction/problems.h"
+#include "tests/synthetic/compare.h"
+#include "tests/synthetic/disturb.h"
+#include "tests/synthetic/verified_pairs.h"
+
+namespace psfm {
+namespace {
+
+using synthetic::SyntheticScene;
+using ModelPtr = std::shared_ptr<const Reconstruction>;
+
+constexpr std::uint32_t kImages = 16;
+
+SyntheticScene noisy_ring(std::uint64_t seed) {
+    return synthetic::add_pixel_noise(
+        synthetic::make_scene(synthetic::ring_around_sphere(kImages), seed), 0.3, seed);
+}
+
+std::vector<ImageId> range(std::uint32_t first, std::uint32_t last) {
+    std::vector<ImageId> images;
+    for (std::uint32_t i = first; i < last; ++i) images.push_back(ImageId{i});
+    return images;
+}
+
+/// The true model of some images in a gauge of its own.
+ModelPtr model_of(const SyntheticScene& scene, const std::vector<ImageId>& images,
+                  std::uint64_t seed) {
+    return std::make_shared<const Reconstruction>(
+        synthetic::true_reconstruction(scene, synthetic::random_gauge(seed), images));
+}
+
+ClusterProblem ring_problem(const SyntheticScene& scene, std::vector<ModelPtr> recycled) {
+    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+    problem.fix_intrinsics = true;
+    problem.recycled = std::move(recycled);
+    problem.recycled_state.images_at_full_adjustment =
+        static_cast<std::uint32_t>(problem.recycled.front()->images.size());
+    return problem;
+}
+
+double max_position_error(const ClusterSolution& solution, const SyntheticScene& scene) {
+    const auto error = synthetic::compare_with_truth(*solution.model, scene);
+    EXPECT_TRUE(error.ok());
+    return error.ok() ? error->max_position : std::numeric_limits<double>::infinity();
+}
+
+TEST(RecycleModels, JoinsModelsOfDifferentGauges) {
+    const SyntheticScene scene = noisy_ring(1);
+    const ModelPtr first = model_of(scene, range(0, 9), 11);
+    const ModelPtr second = model_of(scene, range(9, 14), 12);
+    const auto solution = solve_cluster(ring_problem(scene, {first, second}), {});
+    ASSERT_TRUE(solution.ok()) << solution.error().message;
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kTransfer);
+    EXPECT_EQ(solution->statistics.joined_models, 1U);
+    EXPECT_EQ(solution->statistics.left_models, 0U);
+    EXPECT_EQ(solution->statistics.registered, 2U) << "the two images that neither model has";
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);  // of a ring of 8 m radius
+    EXPECT_FALSE(solution->statistics.reset);
+    // Points that both models had are one now.
+    std::size_t across = 0;
+    for (const ScenePoint& point : solution->model->points) {
+        const auto in_second = [](const Observation& o) { return index_of(o.image) >= 9; };
+        const auto count = std::ranges::count_if(point.track, in_second);
+        if (count > 0 && static_cast<std::size_t>(count) < point.track.size()) ++across;
+    }
+    EXPECT_GT(across, 50U);
+}
+
+TEST(RecycleModels, JoinsThroughAThirdModel) {
+    // The small models at the ends see nothing in common; each finds its place beside the middle.
+    const SyntheticScene scene = noisy_ring(2);
+    const auto solution = solve_cluster(
+        ring_problem(scene, {model_of(scene, range(0, 6), 21), model_of(scene, range(11, 16), 22),
+                             model_of(scene, range(6, 11), 23)}),
+        {});
+    ASSERT_TRUE(solution.ok());
+    EXPECT_EQ(solution->statistics.joined_models, 2U);
+    EXPECT_EQ(solution->statistics.registered, 0U);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
+TEST(RecycleModels, AddsTheImagesOfABrokenModelOneByOne) {
+    const SyntheticScene scene = noisy_ring(3);
+    Reconstruction broken = *model_of(scene, range(9, 16), 31);
+    std::mt19937_64 rng(3);
+    std::normal_distribution<double> normal;
+    for (ScenePoint& point : broken.points)
+        point.position += Eigen::Vector3d(normal(rng), normal(rng), normal(rng)) * 5.0;
+    const auto solution =
+        solve_cluster(ring_problem(scene, {model_of(scene, range(0, 9), 32),
+                                           std::make_shared<const Reconstruction>(broken)}),
+                      {});
+    ASSERT_TRUE(solution.ok());
+    EXPECT_EQ(solution->statistics.left_models, 1U);
+    EXPECT_EQ(solution->statistics.registered, 7U);
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
+/// The true model with the second half of the ring turned about the axis, as if it had been put on
+/// a look-alike: right within each half.
+ModelPtr folded_model(const SyntheticScene& scene) {
+    const Sim3 fold{
+        1.0,
+        Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 3.0, Eigen::Vector3d::UnitZ())),
+        Eigen::Vector3d::Zero()};
+    Reconstruction model = synthetic::true_reconstruction(scene, Sim3{}, range(0, 8));
+    const Reconstruction other = synthetic::true_reconstruction(scene, fold, range(8, kImages));
+    model.images.insert(model.images.end(), other.images.begin(), other.images.end());
+    model.points.insert(model.points.end(), other.points.begin(), other.points.end());
+    return std::make_shared<const Reconstruction>(std::move(model));
+}
+
+TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
+    const SyntheticScene scene = noisy_ring(4);
+    const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), {});
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->statistics.reset);
+    EXPECT_NEAR(solution->statistics.reset->angle_deg, 60.0, 5.0);
+    EXPECT_GT(solution->statistics.reset->beyond, 0U);
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kNew);
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
+TEST(RecycleModels, DoesNotSolveNewAgainWhatWasComparedBefore) {
+    const SyntheticScene scene = noisy_ring(4);
+    ClusterProblem problem = ring_problem(scene, {folded_model(scene)});
+    problem.recycled_state.tolerated_contradiction_deg = 60.0;
+    problem.recycled_state.images_at_contradiction = kImages;
+    const auto again = solve_cluster(problem, {});
+    ASSERT_TRUE(again.ok());
+    EXPECT_FALSE(again->statistics.reset);
+    EXPECT_EQ(again->statistics.kind, SolveKind::kExtend);
+    // Larger by more than a quarter since: worth another look.
+    problem.recycled_state.images_at_contradiction = kImages / 2;
+    const auto grown = solve_cluster(problem, {});
+    ASSERT_TRUE(grown.ok());
+    EXPECT_TRUE(grown->statistics.reset);
+}
+
+}  // namespace
+}  // namespace psfm
