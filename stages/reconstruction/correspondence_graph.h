@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -15,7 +14,8 @@ namespace psfm {
 
 /// Which features of a cluster's images are matched with which: the verified matches of the local
 /// graph, looked up by feature. Images are addressed by their position in the cluster ("local
-/// index"). Immutable after construction; thread-safe for reading.
+/// index"). An image's matches are gathered when they are first asked for: a solve that adds one
+/// image to five hundred looks at few of the others. Not thread-safe; owned by one solve.
 class CorrespondenceGraph {
   public:
     /// A feature of the image with this local index.
@@ -32,25 +32,35 @@ class CorrespondenceGraph {
                         std::span<const std::uint32_t> feature_counts,
                         std::span<const VerifiedPairPtr> pairs);
 
-    std::size_t image_count() const { return offsets_.size(); }
-    std::uint32_t feature_count(std::uint32_t image) const {
-        return static_cast<std::uint32_t>(offsets_[image].size() - 1);
-    }
+    std::size_t image_count() const { return feature_counts_.size(); }
+    std::uint32_t feature_count(std::uint32_t image) const { return feature_counts_[image]; }
     /// Direct matches of a feature, ascending by image.
     std::span<const Feature> matches(const Feature& feature) const {
-        const std::vector<std::uint32_t>& offsets = offsets_[feature.image];
-        return std::span(targets_[feature.image])
-            .subspan(offsets[feature.feature],
-                     offsets[feature.feature + 1] - offsets[feature.feature]);
+        const Matches& all = gathered(feature.image);
+        const std::uint32_t first = all.offsets[feature.feature];
+        return std::span(all.targets).subspan(first, all.offsets[feature.feature + 1] - first);
     }
-    /// Matches between two images, over all features.
-    std::uint32_t match_count(std::uint32_t image1, std::uint32_t image2) const;
 
   private:
-    std::vector<std::vector<std::uint32_t>>
-        offsets_;  // per image: feature_count + 1 positions in targets_
-    std::vector<std::vector<Feature>> targets_;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> match_counts_;
+    struct Partner {
+        std::uint32_t image = 0;
+        bool is_first = false;  ///< of the pair
+        VerifiedPairPtr pair;
+    };
+    struct Matches {
+        std::vector<std::uint32_t> offsets;  ///< feature_count + 1 positions in targets; empty
+                                             ///< until they are gathered
+        std::vector<Feature> targets;
+    };
+    const Matches& gathered(std::uint32_t image) const {
+        if (matches_[image].offsets.empty()) gather(image);
+        return matches_[image];
+    }
+    void gather(std::uint32_t image) const;
+
+    std::vector<std::uint32_t> feature_counts_;
+    std::vector<std::vector<Partner>> partners_;  ///< by image, ascending
+    mutable std::vector<Matches> matches_;        ///< by image
 };
 
 }  // namespace psfm

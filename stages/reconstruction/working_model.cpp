@@ -39,15 +39,38 @@ void WorkingModel::append(const Reconstruction& model, const Sim3& cluster_from_
         if (const auto found = local.find(image.image); found != local.end())
             set_pose(found->second, transform_pose(image.cam_from_cluster, cluster_from_model));
     }
-    for (const ScenePoint& point : model.points) {
-        std::vector<Feature> track;
-        for (const Observation& observation : point.track) {
-            const auto found = local.find(observation.image);
-            if (found != local.end() && registered(found->second))
-                track.push_back({found->second, observation.feature});
-        }
-        if (track.size() >= 2) add_point(cluster_from_model * point.position, std::move(track));
+    // The images that are left see so much at once that counting anew is cheaper than following
+    // every link.
+    for (const ScenePoint& point : model.points) take_point(point, cluster_from_model, local);
+    for (std::uint32_t image = 0; image < image_count(); ++image) {
+        if (!registered(image)) count_visible(image);
     }
+}
+
+void WorkingModel::take_point(const ScenePoint& point, const Sim3& cluster_from_model,
+                              const std::map<ImageId, std::uint32_t>& local) {
+    std::vector<Feature> track;
+    track.reserve(point.track.size());
+    for (const Observation& observation : point.track) {
+        const auto found = local.find(observation.image);
+        if (found != local.end() && registered(found->second))
+            track.push_back({found->second, observation.feature});
+    }
+    if (track.size() < 2) return;
+    std::ranges::sort(track);
+    for (const Feature& feature : track)
+        point_of_[feature.image][feature.feature] = static_cast<std::uint32_t>(points_.size());
+    const bool whole = track.size() == point.track.size();
+    points_.push_back({cluster_from_model * point.position, std::move(track),
+                       whole ? std::optional(point.error_px) : std::nullopt});
+    ++alive_points_;
+}
+
+double WorkingModel::mean_error(const Point& point) const {
+    double error = 0.0;
+    for (const Feature& feature : point.track)
+        error += std::sqrt(squared_error(feature, point.position));
+    return error / static_cast<double>(point.track.size());
 }
 
 Reconstruction WorkingModel::save() const {
@@ -62,12 +85,10 @@ Reconstruction WorkingModel::save() const {
         if (!point.alive()) continue;
         ScenePoint saved;
         saved.position = point.position;
-        double error = 0.0;
-        for (const Feature& feature : point.track) {
+        saved.track.reserve(point.track.size());
+        for (const Feature& feature : point.track)
             saved.track.push_back({image_id(feature.image), feature.feature});
-            error += std::sqrt(squared_error(feature, point.position));
-        }
-        saved.error_px = static_cast<float>(error / static_cast<double>(point.track.size()));
+        saved.error_px = point.error_px ? *point.error_px : static_cast<float>(mean_error(point));
         model.points.push_back(std::move(saved));
     }
     return model;
@@ -136,6 +157,7 @@ bool WorkingModel::add_observation(std::uint32_t point, const Feature& feature) 
     const auto place = std::ranges::lower_bound(track, Feature{feature.image, 0});
     if (place != track.end() && place->image == feature.image) return false;
     track.insert(place, feature);
+    points_[point].error_px.reset();
     link(feature, point);
     return true;
 }
@@ -148,6 +170,7 @@ void WorkingModel::remove_observation(const Feature& feature) {
         return;
     }
     std::erase(points_[point].track, feature);
+    points_[point].error_px.reset();
     unlink(feature);
 }
 

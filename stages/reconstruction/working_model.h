@@ -34,6 +34,9 @@ class WorkingModel {
     struct Point {
         Eigen::Vector3d position = Eigen::Vector3d::Zero();
         std::vector<Feature> track;  ///< ascending; empty: the point was removed
+        /// Mean reprojection error when the position was last set; nothing when the track has
+        /// changed since.
+        std::optional<float> error_px = std::nullopt;
         bool alive() const { return !track.empty(); }
     };
 
@@ -75,6 +78,7 @@ class WorkingModel {
     }
     void set_position(std::uint32_t point, const Eigen::Vector3d& position) {
         points_[point].position = position;
+        points_[point].error_px.reset();
     }
     /// REQUIRES: at least two features of different registered images, none of which observes a
     /// point.
@@ -103,6 +107,9 @@ class WorkingModel {
     }
 
   private:
+    void take_point(const ScenePoint& point, const Sim3& cluster_from_model,
+                    const std::map<ImageId, std::uint32_t>& local);
+    double mean_error(const Point& point) const;
     void link(const Feature& feature, std::uint32_t point);
     void unlink(const Feature& feature);
     void count_visible(std::uint32_t image);
