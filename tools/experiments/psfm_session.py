@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""One order of arrival through psfm, and what its session and its log say about it."""
+import datetime
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import orders
+from console import Failed, answer, answer_json, call, load_average, machine, say
+from kept import Kept, digest_of_file, digest_of_names
+
+
+@dataclass(frozen=True)
+class Session:
+    folder: Path
+    log: Path
+    record: dict  # what was noted when it was made
+
+
+def identity_of(psfm):
+    """Which program made a session, as far as a person can find it again."""
+    try:
+        version = answer([psfm, "--version"]).strip()
+    except Failed as failure:
+        raise Failed(f"{failure}; build it (cmake --preset release && cmake --build --preset release), or give "
+                     "--psfm FILE") from failure
+    root, commit = Path(__file__).resolve().parents[2], ""
+    if Path(psfm).resolve().is_relative_to(root):
+        describe = ["git", "-C", str(root), "describe", "--always", "--dirty"]
+        commit = subprocess.run(describe, capture_output=True, text=True, check=False).stdout.strip()
+    return {"version": version, "sha": digest_of_file(psfm), "commit": commit}
+
+
+def _notes(psfm, command, seconds, load):
+    return {"psfm": identity_of(psfm), "command": [str(word) for word in command], "seconds": seconds,
+            "load": load, "machine": machine(), "date": datetime.date.today().isoformat()}
+
+
+def run_session(settings, folder, given, *, batch=False):
+    """A finished session in `folder`: taken as it is, continued, or made."""
+    kept = Kept(folder, {"order": digest_of_names(given.names), "from": given.identity, "batch": batch})
+    session, log = kept.folder / "session", kept.folder / "log.jsonl"
+    record = None if settings.again else kept.record()
+    if record is not None:
+        if record["psfm"]["sha"] != identity_of(settings.psfm)["sha"]:
+            maker = record["psfm"]["commit"] or record["psfm"]["sha"]
+            say(f"  {session} was made by another build of psfm ({maker}, {record['date']}); --again makes it anew")
+        return Session(session, log, record)
+
+    order = kept.folder / "order.txt"
+    options = ["--session", session, "--log", log, "--batch" if batch else "--deterministic"]
+    if given.database is not None:
+        command = [settings.psfm, "import", "--colmap-database", given.database, "--order", order, *options]
+    else:
+        command = [settings.psfm, "run", given.photographs, "--order", order, *options]
+    load = load_average()
+    if kept.is_begun() and session.exists() and not settings.again:
+        say(f"  psfm, continuing {session} …")
+        try:
+            call([settings.psfm, "resume", "--session", session, "--log", log], kept.folder / "psfm.txt")
+        except Failed as failure:
+            raise Failed(f"{failure}\nThe run was interrupted, and cannot be continued; --again makes it anew") \
+                from failure
+        seconds = None  # of the first attempt, nobody knows
+    else:
+        say(f"  psfm, {len(given.names)} images{' at once' if batch else ' one after the other'} …")
+        kept.begin()
+        orders.write_order(order, given.names)
+        seconds, _ = call(command, kept.folder / "psfm.txt")
+    return Session(session, log, kept.finish(_notes(settings.psfm, command, seconds, load)))
+
+
+def export_database(settings, session):
+    """The session's verified matches as a COLMAP database, and the command that wrote it."""
+    target = session.folder.parent / "matches"
+    command = [settings.psfm, "export", "--session", session.folder, "--format", "colmap-database", "--output", target]
+    kept = Kept(target, {"session": session.record})
+    if kept.record() is None:
+        say("  writing its matches for COLMAP …")
+        kept.begin()
+        call(command, kept.folder / "export.txt")
+        kept.finish({})
+    return target / "database.db", [str(word) for word in command]
+
+
+def status_of(settings, session):
+    return answer_json([settings.psfm, "status", "--session", session.folder, "--json"])
+
+
+def evaluate_session(settings, session, reference):
+    """`psfm evaluate` of every version; None where there is nothing to judge. Kept beside the session."""
+    if reference is None:
+        return None
+    kept = Kept(session.folder.parent / "evaluation",
+                {"session": session.record, "psfm": identity_of(settings.psfm)["sha"], "reference": str(reference)})
+    record = kept.record()
+    if record is None:
+        say("  judging what it looked like after every image …")
+        record = answer_json([settings.psfm, "evaluate", "--reference", reference, "--session", session.folder,
+                              "--every-image", "--json"], accept=None)
+        kept.begin()
+        kept.finish(record)
+    return record

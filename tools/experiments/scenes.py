@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The experiments: which images arrive in which orders, and what the paper reports of the like."""
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Photographs:
+    """A folder of DATASETS.md; paths are relative to $PSFM_DATASETS."""
+    name: str
+    images: str
+    reference: str | None = None
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """Correspondences that `psfm simulate` makes."""
+    name: str
+    options: tuple
+
+
+@dataclass(frozen=True)
+class Run:
+    """One order of arrival. `order`: ("names",), ("shuffle", SEED) or ("file", PATH), where a simulation's
+    own order.txt is ("file", "order.txt")."""
+    name: str
+    source: Photographs | Simulation
+    order: tuple
+    words: str
+
+
+@dataclass(frozen=True)
+class Experiment:
+    name: str
+    title: str
+    about: str
+    runs: tuple
+    # What the paper reports, by the keys of measurements.MILESTONES.
+    paper: dict = field(default_factory=dict)
+
+
+TEMPLE = Photographs("temple-341", "temple-341/images", "temple-341/gt")
+QUAD = Photographs("quad-streams", "quad-streams/images", "quad-streams/gt")
+BOOKS = Photographs("books", "duplicates/books/images", "duplicates/books/reference")
+CEREAL = Photographs("cereal", "duplicates/cereal/images")
+
+
+def _shuffles(source):
+    return tuple(Run(f"shuffle-{seed}", source, ("shuffle", seed), f"shuffled, seed {seed}") for seed in (1, 2, 3))
+
+
+def _simulated():
+    """Other symmetries than the photographs' six, other seeds, both kinds of trouble."""
+    runs = []
+    for symmetry, seed in ((4, 11), (6, 12), (9, 13)):
+        temple = Simulation(f"temple-{symmetry}-sides", ("--scene", "temple", "--symmetry", str(symmetry),
+                                                         "--seed", str(seed)))
+        runs.append(Run(f"sides-{symmetry}-unfortunate", temple, ("file", "order.txt"),
+                        f"{symmetry} sides, each image followed by its look-alike"))
+        runs.append(Run(f"sides-{symmetry}-shuffle-{seed}", temple, ("shuffle", seed),
+                        f"{symmetry} sides, shuffled, seed {seed}"))
+    court = Simulation("courtyard", ("--scene", "courtyard", "--seed", "14"))
+    runs.append(Run("courtyard-streams", court, ("file", "order.txt"), "courtyard, eight users at once"))
+    return tuple(runs)
+
+
+EXPERIMENTS = (
+    Experiment(
+        "temple-linear", "The temple in file-name order",
+        "341 rendered images of a round temple with six equal sides, taken on one ring and arriving in the order "
+        "of the ring (`temple-341`). The easy case: each image is followed by its neighbour. The paper's own "
+        "scene is TempleOfHeaven, of as many images.",
+        (Run("linear", TEMPLE, ("names",), "file-name order"),),
+        {"most_outliers": 8}),
+    Experiment(
+        "temple-shuffled", "The temple in random orders",
+        "The same 341 images, shuffled. While the ring is sparse, look-alikes a sixth of a turn away have more "
+        "matches than neighbours, and a reconstruction that believes them stays folded.",
+        _shuffles(TEMPLE), {"nearly_all_right": 84}),
+    Experiment(
+        "temple-unfortunate", "The temple in a very unfortunate order",
+        "The same 341 images as I0, I57, I1, I58, …: each followed by its look-alike a sixth of a turn further on "
+        "(`unfortunate_order.txt`). The first images speak for a wrong model; later ones expose it.",
+        (Run("unfortunate", TEMPLE, ("file", "temple-341/unfortunate_order.txt"),
+             "each image followed by its look-alike"),),
+        {"no_outlier_and_placed": 36, "one_effective": 95, "one_cluster": 101}),
+    Experiment(
+        "quad-streams", "Eight users in a courtyard",
+        "600 rendered images of a courtyard with two arcades that repeat, taken by eight users with three cameras "
+        "and arriving as they were taken (`streams_order.txt`).",
+        (Run("streams", QUAD, ("file", "quad-streams/streams_order.txt"), "as taken by eight users"),)),
+    Experiment(
+        "books", "Two copies of a book on one shelf",
+        "21 photographs of a shelf with two copies of the same book at its ends, shuffled. The reference is a "
+        "reconstruction by COLMAP 3.8 with matching restricted to neighbours in file-name order.",
+        _shuffles(BOOKS)),
+    Experiment(
+        "cereal", "Two equal boxes and two equal mugs",
+        "25 photographs of a table with two equal boxes and two equal mugs, shuffled. There is no trustworthy "
+        "reference, so only what was placed is counted; whether it is right has to be looked at.",
+        _shuffles(CEREAL)),
+    Experiment(
+        "simulated", "Simulated temples with other symmetries, and a courtyard",
+        "Correspondences from `psfm simulate`, with known truth: temples of 341 images with four, six and nine "
+        "equal sides, each in two orders, and a courtyard of 600 images.",
+        _simulated()),
+)
+
+
+def experiment_of(name):
+    return next((experiment for experiment in EXPERIMENTS if experiment.name == name), None)
