@@ -7,9 +7,11 @@
 #include "graph/result.h"
 #include "stages/merge/merge_options.h"
 #include "stages/reconstruction/absolute_pose.h"
+#include "stages/reconstruction/average_positions.h"
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/bundle_adjustment.h"
 #include "stages/reconstruction/calibrate_focals.h"
+#include "stages/reconstruction/filter_directions.h"
 #include "stages/reconstruction/triangulation.h"
 #include "stages/verification/verify_options.h"
 
@@ -42,9 +44,51 @@ struct RefinementOptions {
     std::uint32_t images_for_principal_point = 0;
 };
 
+/// Starting a model with all images at once.
+struct GlobalOptions {
+    /// Images of a small model from which the intrinsics of shared cameras are had beforehand.
+    /// Raised: slower; lowered: intrinsics less well determined. Ours.
+    std::uint32_t calibration_images = 20;
+    /// Images of one camera that such a model must have. Lowered: cameras are taken for calibrated
+    /// that are not; raised: cameras of few images are not. Ours.
+    std::uint32_t images_to_calibrate = 6;
+    /// Linearisations of reweighted least squares that refine the averaged rotations. Lowered:
+    /// rotations, and with them directions, less accurate. Ours.
+    std::uint32_t rotation_refinements = 20;
+    /// Feature tracks that join the images as nodes, about so many seen by each image; 0: none.
+    /// Raised: slower; lowered: less accurate, and without any, cameras on a line are not placed.
+    /// Wilson & Snavely 2014 use such a cover; the number is ours, tuned on the temple
+    /// (docs/accuracy.md).
+    std::uint32_t tracks_per_image = 100;
+    /// Weight of a direction from an image to a point; that of a pair is 1. Raised: wrong matches
+    /// pull more; lowered: wrong pairs do. Ours: 0.03 to 1 give the same on the temple.
+    double track_weight = 0.1;
+    DirectionFilterOptions directions;
+    PositionAveragingOptions positions;
+    /// Reprojection error of an observation at most in the first round [px], halved in each of the
+    /// next down to that of `tracks`. Lowered: rough positions find no structure; raised: more
+    /// rounds, and wrong matches in the first ones. Ours.
+    double start_error_px = 32.0;
+    /// Tracks that are adjusted in these rounds, about so many seen by each image; then all are.
+    /// Raised: slower; lowered: intrinsics less well determined. Ours.
+    std::uint32_t adjusted_tracks_per_image = 200;
+    /// Of these rounds. Much is wrong at first: intrinsics, and with them rotations, along
+    /// directions in which the error hardly changes.
+    AdjustmentOptions adjustment{
+        .loss_scale_px = 1.0, .max_iterations = 100, .function_tolerance = 1e-6};
+};
+
+/// @errors kInvalidArgument
+Result<void> validate(const GlobalOptions& options);
+
 struct SolveOptions {
     /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5.
     std::uint32_t mu_min = 5;
+    /// New clusters with more images are started globally instead of incrementally. Raised: slower;
+    /// lowered: small sets, in which few measurements correct each other, are less sure.
+    /// Paper: mu_max = 50.
+    std::uint32_t mu_max = 50;
+    GlobalOptions global;
     /// Edges that differ from the averaged rotations by more are dropped from the local graph
     /// [deg]. Higher: wrong pairs stay in; lower: noisy right ones go. Paper: rho_g,max = 10.
     double max_edge_error_deg = 10.0;
