@@ -84,6 +84,13 @@ class Versions(unittest.TestCase):
         self.assertEqual([row.outliers for row in rows], [0, 2, 2, 0])
         self.assertEqual([row.largest for row in rows], [None, 5, 5, None])
 
+    def test_a_log_and_versions_that_disagree_are_found(self):
+        rows = self.rows(4)
+        rows[1].placed = 5
+        versions = [{"image": image, "placed": placed} for image, placed in ((1, 0), (2, 5), (3, 1), (4, 9))]
+        self.assertEqual(measurements.disagreements(rows, {"versions": versions}), [(3, 0, 1)])
+        self.assertEqual(measurements.disagreements(rows, None), [])
+
     def test_without_a_reference_nothing_is_said_of_outliers(self):
         rows = measurements.add_versions(self.rows(3), None)
         self.assertEqual([row.outliers for row in rows], [None] * 3)

@@ -27,7 +27,7 @@ class RunResult:
     given: Input
     folder: Path
     psfm: PsfmResult
-    psfm_batch: PsfmResult | None = None  # on the same matches; of an experiment's first run only
+    psfm_batch: PsfmResult | None = None  # on the same matches; of the first run on the same images
     colmap: dict | None = None
     commands: list = field(default_factory=list)
 
@@ -37,6 +37,11 @@ def _measured(settings, session, reference):
     lines = session.log.read_text(errors="replace").splitlines()
     log = measurements.parse_log(lines, session.log)
     evaluation = psfm_session.evaluate_session(settings, session, reference)
+    differ = measurements.disagreements(log.rows, evaluation)
+    if differ:
+        image, logged, stored = differ[0]
+        say(f"  note: after image {image} the log has {logged} placed and the version that is kept {stored} "
+            f"({len(differ)} such images); the plot shows what is kept")
     rows = measurements.add_versions(log.rows, evaluation)
     return PsfmResult(session.record, status, log, evaluation, measurements.set_final(rows, status, evaluation))
 
@@ -60,7 +65,7 @@ def _matches_for(settings, run):
 
 
 def run_one(settings, experiment, run, *, first):
-    """@param first  also in batch mode: that does not depend on the order, so once an experiment is enough"""
+    """@param first  also in batch mode: that does not depend on the order, so once for the same images is enough"""
     given = resolve(settings, run, _matches_for(settings, run))
     say(f"{experiment.name}, {run.words}: {len(given.names)} images")
     folder = settings.work / experiment.name / (run.name + (f"-first-{settings.images}" if settings.images else ""))
@@ -90,4 +95,8 @@ def run_one(settings, experiment, run, *, first):
 def run_experiment(settings, experiment):
     if settings.images is not None and settings.images < 2:
         raise Failed("--images wants at least 2")
-    return [run_one(settings, experiment, run, first=run is experiment.runs[0]) for run in experiment.runs]
+    results, seen = [], set()
+    for run in experiment.runs:
+        results.append(run_one(settings, experiment, run, first=run.source not in seen))
+        seen.add(run.source)
+    return results

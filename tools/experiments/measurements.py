@@ -65,6 +65,16 @@ def parse_log(lines, where="the log"):
     return log
 
 
+def disagreements(rows, evaluation):
+    """(image, placed by the log, placed by the version that is kept) where they differ; equal in a sound session.
+
+    REQUIRES: add_versions was not called yet. The last image is left out: its log line comes before the end's work.
+    """
+    versions = {version["image"]: version["placed"] for version in (evaluation or {}).get("versions") or []}
+    return [(row.arrived, row.placed, versions[row.arrived]) for row in rows[:-1]
+            if versions.get(row.arrived, row.placed) != row.placed]
+
+
 def add_versions(rows, evaluation):
     """Joins `psfm evaluate --every-image` to the rows. A version holds until the next one."""
     versions = {version["image"]: version for version in (evaluation or {}).get("versions") or []}

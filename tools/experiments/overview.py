@@ -19,7 +19,7 @@ with COLMAP fed the same matches in the same order.
 - **COLMAP, continued**: the paper's baseline in progressive mode. `colmap mapper` reads the session's verified matches
   (`psfm export --format colmap-database`), and is continued from its own largest model (`--input_path`) with the images
   that have arrived after 20, 40, 60, 80 images, a third, a half, two thirds and all (quarters, up to 60 images).
-- **batch**: both programs on all images at once, with the matches of the first order.
+- **batch**: both programs on all images at once, with the matches of the first order they came in.
 
 | column | meaning |
 |---|---|

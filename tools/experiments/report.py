@@ -61,11 +61,13 @@ def results_table(results):
         if result.colmap:
             rows.append(_colmap_cells(f"COLMAP {result.colmap['version']}, continued", order,
                                       result.colmap["steps"][-1]))
+    several = len({result.run.source for result in results}) > 1
     for result in results:
+        at_once = f"all of {result.run.source.name} at once" if several else "all at once"
         if result.psfm_batch:
-            rows.append(_psfm_cells("psfm, batch", "all at once", result.psfm_batch))
+            rows.append(_psfm_cells("psfm, batch", at_once, result.psfm_batch))
         if result.colmap and result.colmap["batch"]:
-            rows.append(_colmap_cells(f"COLMAP {result.colmap['version']}, batch", "all at once",
+            rows.append(_colmap_cells(f"COLMAP {result.colmap['version']}, batch", at_once,
                                       result.colmap["batch"]))
     return table(["order", "program", "placed", "in the largest", "outliers", "effective clusters", "clusters",
                   "recoveries", "mean error", "relative error", "solving [s]", "whole [s]"], rows, words=2)
@@ -98,10 +100,11 @@ def over_time_table(result):
 
 def work_table(results):
     """Solves that were skipped, and how the others began; their time against one batch reconstruction."""
-    batch = next((result.psfm_batch for result in results if result.psfm_batch), None)
-    batch_s = (batch.log.solve_ms + batch.log.merge_ms) / 1000 if batch else None
+    batches = {result.run.source: result.psfm_batch.log for result in results if result.psfm_batch}
     rows = []
     for result in results:
+        batch = batches.get(result.run.source)
+        batch_s = (batch.solve_ms + batch.merge_ms) / 1000 if batch else None
         status, log = result.psfm.status, result.psfm.log
         spent = (log.solve_ms + log.merge_ms) / 1000
         counts = [status.get(f"solves_{kind}") for kind in ("skipped", "coalesced", "extend", "transfer", "new",
@@ -200,7 +203,8 @@ def write_page(settings, experiment, results, plots):
     """@param plots  SVG file names, one a result"""
     parts = [f"# {experiment.title}\n", paragraph(experiment.about)]
     if settings.images:
-        parts.append(f"**A trial with the first {settings.images} images of each order.**\n")
+        parts.append(f"**A trial with the first {settings.images} images of each order.** What stands for \"at once\" is "
+                     "the first order's images.\n")
     parts += [in_short(results) + "\n", _provenance(settings, results), "## Result\n", results_table(results),
               "What the columns mean is told in [README.md](README.md).\n", "## While the images arrive\n"]
     for result, plot in zip(results, plots, strict=True):
