@@ -35,7 +35,8 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
             std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
         auto shown = std::make_shared<SceneCluster>();
         shown->id = cluster.id;
-        shown->revision = cluster.revision;
+        // A cluster that lost its model shows none of its former solutions.
+        shown->revision = cluster.model ? cluster.revision : 0;
         shown->members = state_.clusters.images_of(entry->second);
         shown->model = cluster.model;
         if (cluster.model && places_others_than(*cluster.model, shown->members)) {

@@ -117,9 +117,10 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     parts.committed_images = restored->state.verified;
     Committer committer(store, config, *options, std::move(restored->state));
     Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
-    Admission image_tokens(config.deterministic ? 1
-                           : config.batch       ? std::numeric_limits<int>::max()
-                                                : execution.images_in_flight);
+    // A batch publishes nothing before its last image: it must not wait for that.
+    Admission image_tokens(config.batch           ? std::numeric_limits<int>::max()
+                           : config.deterministic ? 1
+                                                  : execution.images_in_flight);
     parts.options = &*options;
     parts.front_end = front_end->get();
     parts.committer = &committer;

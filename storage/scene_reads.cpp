@@ -150,6 +150,11 @@ Result<Scene> SessionReads::assemble(const ReadView& view, const SceneRecord& re
             auto model = read_model(view, {placement.cluster, placement.revision}, with_points);
             if (!model) return model.error();
             cluster->model = std::move(*model);
+            // A solution may still hold images that another cluster shows by now.
+            if (places_others_than(*cluster->model, cluster->members)) {
+                cluster->model = std::make_shared<const Reconstruction>(
+                    restricted_to(*cluster->model, cluster->members));
+            }
         }
         scene.clusters.push_back(std::move(cluster));
     }

@@ -42,6 +42,7 @@ Result<void> validate(const EdgeSelectionOptions& options) {
     if (options.min_inliers < 1) return invalid("min_inliers is 0; give at least 1");
     if (!(options.min_relative_plausibility >= 0.0 && options.min_relative_plausibility <= 1.0))
         return invalid("min_relative_plausibility is not between 0 and 1");
+    if (!(options.max_plausibility > 0.0)) return invalid("max_plausibility is not positive");
     for (const ExpectedDensity& expected : {options.shared, options.core}) {
         if (!(expected.floor > 0.0 && expected.at_zero >= expected.floor &&
               expected.decay_deg > 0.0))
@@ -51,14 +52,15 @@ Result<void> validate(const EdgeSelectionOptions& options) {
 }
 
 double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options) {
-    if (geometry.match_density <= 0.0) return 1.0;
+    if (geometry.match_density <= 0.0) return options.max_plausibility;
     const auto reached = [&](double density, const ExpectedDensity& expected) {
         const double fallen =
             expected.at_zero * std::exp(-geometry.median_angle_deg / expected.decay_deg);
         return density / std::max(expected.floor, fallen);
     };
-    return std::min(1.0, std::max(reached(geometry.match_density, options.shared),
-                                  reached(geometry.core_density, options.core)));
+    return std::min(options.max_plausibility,
+                    std::max(reached(geometry.match_density, options.shared),
+                             reached(geometry.core_density, options.core)));
 }
 
 EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,

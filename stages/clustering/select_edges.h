@@ -31,7 +31,10 @@ struct EdgeSelectionOptions {
     /// An edge that is less plausible (see plausibility) than this part of what both of its images
     /// reach elsewhere is none; 0: every pair is an edge, as in the paper. Raised: weak true
     /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours.
-    double min_relative_plausibility = 0.6;
+    double min_relative_plausibility = 0.3;
+    /// Plausibilities count up to here. Raised: wide baselines are left out where images also have
+    /// near-identical neighbours. Lowered: look-alikes stay in where everything matches well. Ours.
+    double max_plausibility = 4.0;
     /// Densities expected of two photographs of one place (see match_density); either will do.
     ExpectedDensity shared{.at_zero = 0.12, .decay_deg = 12.0, .floor = 0.01};
     ExpectedDensity core{.at_zero = 0.25, .decay_deg = 25.0, .floor = 0.12};
@@ -39,8 +42,9 @@ struct EdgeSelectionOptions {
 
 Result<void> validate(const EdgeSelectionOptions& options);
 
-/// How well a pair's match density agrees with two photographs of one place, 1 at most; 1 when the
-/// density is unknown. Depends on nothing but the pair.
+/// A pair's match density over the one expected of two photographs of one place at its
+/// triangulation angle: around 2 for ordinary pairs, max_plausibility at most, and when the density
+/// is unknown. Depends on nothing but the pair.
 double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options);
 
 /// All pairs that have enough inliers, in the view graph or not: a value, owned by one serial node.

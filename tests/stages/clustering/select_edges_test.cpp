@@ -67,24 +67,28 @@ TEST(SelectEdges, LookAlikeStaysWhileNothingBetterIsKnownAndGoesThen) {
     EXPECT_EQ(session.graph.edge_count(), 2U);
 }
 
+double plausibility_of(double density, double core, double angle_deg) {
+    auto pair = *make_pair(0, 1, 50, density, angle_deg);
+    pair.geometry.core_density = core;
+    return plausibility(pair.geometry, {});
+}
+
 TEST(SelectEdges, WideBaselinesArePlausibleWithFewMatches) {
-    const EdgeSelectionOptions options;
-    const auto at = [&](double density, double angle_deg) {
-        return plausibility(make_pair(0, 1, 50, density, angle_deg)->geometry, options);
-    };
-    EXPECT_EQ(at(0.03, 30.0), 1.0);
-    EXPECT_LT(at(0.03, 0.5), 0.3);
-    EXPECT_EQ(at(0.01, 90.0), 1.0);
-    EXPECT_EQ(at(0.0, 1.0), 1.0) << "an unknown density casts no doubt";
+    EXPECT_GT(plausibility_of(0.03, 0.0, 30.0), 2.0);
+    EXPECT_LT(plausibility_of(0.03, 0.0, 0.5), 0.3);
+    EXPECT_GE(plausibility_of(0.01, 0.0, 90.0), 1.0);
 }
 
 TEST(SelectEdges, DenselyMatchedCoreIsPlausible) {
     // A walk down a street: its far end alone is shared, but there every other feature matches.
-    auto far_end = *make_pair(0, 1, 50, 0.01, 0.5);
-    far_end.geometry.core_density = 0.3;
-    EXPECT_EQ(plausibility(far_end.geometry, {}), 1.0);
-    far_end.geometry.core_density = 0.04;
-    EXPECT_LT(plausibility(far_end.geometry, {}), 0.2);
+    EXPECT_GT(plausibility_of(0.01, 0.3, 0.5), 1.0);
+    EXPECT_LT(plausibility_of(0.01, 0.04, 0.5), 0.2);
+}
+
+TEST(SelectEdges, PlausibilityIsBounded) {
+    EXPECT_EQ(plausibility_of(1.0, 1.0, 10.0), EdgeSelectionOptions{}.max_plausibility);
+    EXPECT_EQ(plausibility_of(0.0, 0.0, 1.0), EdgeSelectionOptions{}.max_plausibility)
+        << "an unknown density casts no doubt";
 }
 
 TEST(SelectEdges, PaperTakesEveryPair) {
@@ -100,6 +104,7 @@ TEST(SelectEdges, RefusesSenselessOptions) {
     EXPECT_TRUE(validate(EdgeSelectionOptions{}).ok());
     EXPECT_FALSE(validate(EdgeSelectionOptions{.min_inliers = 0}).ok());
     EXPECT_FALSE(validate(EdgeSelectionOptions{.min_relative_plausibility = 1.1}).ok());
+    EXPECT_FALSE(validate(EdgeSelectionOptions{.max_plausibility = 0.0}).ok());
     EdgeSelectionOptions no_floor;
     no_floor.shared.floor = 0.0;
     EXPECT_FALSE(validate(no_floor).ok());
