@@ -82,6 +82,7 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
                                        {"full_adjustments", statistics.full_adjustments},
                                        {"local_adjustments", statistics.local_adjustments},
                                        {"removed_edges", statistics.removed_edges},
+                                       {"global", statistics.is_global},
                                        {"joined_models", statistics.joined_models},
                                        {"left_models", statistics.left_models},
                                        {"mean_error_px", statistics.mean_error_px}}

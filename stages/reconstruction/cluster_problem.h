@@ -70,6 +70,7 @@ struct Contradiction {
 
 struct SolveStatistics {
     SolveKind kind = SolveKind::kNew;
+    bool is_global = false;           ///< new, and started with all images at once
     std::uint32_t joined_models = 0;  ///< recycled models that could be joined to the first
     std::uint32_t left_models = 0;    ///< and those that could not
     /// Of the recycled model, when it was given up for a new one (paper sec. "Detection of Bad

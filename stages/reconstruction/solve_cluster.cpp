@@ -12,6 +12,7 @@
 #include "stages/reconstruction/local_graph.h"
 #include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
+#include "stages/reconstruction/solve_global.h"
 
 namespace psfm {
 namespace {
@@ -59,10 +60,39 @@ void finish(Attempt& attempt, const WorkingModel& model, const LocalGraph& graph
     attempt.contradiction = find_contradiction(model, graph, options.max_contradiction_deg);
 }
 
+/// All images at once (paper sec. "Cluster Reconstruction", New, above mu_max), the rest added.
+Result<Attempt> solve_globally(const ClusterProblem& problem, const LocalGraph& graph,
+                               const CorrespondenceGraph& matches, const SolveOptions& options,
+                               const std::atomic<bool>* cancel) {
+    WorkingModel model(problem, matches);
+    use_cameras(model, graph);
+    const auto start = initialize_globally(model, problem, graph, options, cancel);
+    if (!start.ok()) return start.error();
+    Attempt attempt;
+    attempt.statistics.is_global = true;
+    attempt.statistics.registered = start->placed;
+    attempt.statistics.full_adjustments = start->full_adjustments;
+    attempt.state.images_at_full_adjustment = start->placed;
+    const auto grown =
+        grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
+    if (!grown.ok()) return grown.error();
+    const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
+    if (!adjustments.ok()) return adjustments.error();
+    attempt.statistics.full_adjustments += *adjustments;
+    attempt.state.images_at_full_adjustment = model.registered_count();
+    finish(attempt, model, graph, options);
+    return attempt;
+}
+
 /// Starts from the best pair; from another one when most images stayed out. Keeps the larger model.
 Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph,
                           const CorrespondenceGraph& matches, const SolveOptions& options,
                           const std::atomic<bool>* cancel) {
+    if (problem.images.size() > options.mu_max) {
+        auto attempt = solve_globally(problem, graph, matches, options, cancel);
+        // What could not be started globally may still be grown.
+        if (attempt.ok() || attempt.error().code == ErrorCode::kCancelled) return attempt;
+    }
     constexpr int kStarts = 3;
     Attempt best;
     std::vector<bool> used(problem.images.size(), false);

@@ -186,11 +186,14 @@ TEST_F(RunSessionTest, ALaterRunAddsOnlyWhatIsNew) {
 TEST_F(RunSessionTest, BatchPlacesEverythingWithoutIntermediateSolves) {
     SessionConfig config;
     config.batch = true;
-    Outcome outcome;
-    run(fresh("batch"), config, photos(), outcome);
-    EXPECT_EQ(outcome.run->counts.placed, 9U);
-    EXPECT_EQ(outcome.run->counts.solves_new, 1U);
-    EXPECT_EQ(outcome.run->counts.solves_extend, 0U);
+    for (const bool deterministic : {false, true}) {
+        config.deterministic = deterministic;
+        Outcome outcome;
+        run(fresh(deterministic ? "batch-deterministic" : "batch"), config, photos(), outcome);
+        EXPECT_EQ(outcome.run->counts.placed, 9U);
+        EXPECT_EQ(outcome.run->counts.solves_new, 1U);
+        EXPECT_EQ(outcome.run->counts.solves_extend, 0U);
+    }
 }
 
 TEST_F(RunSessionTest, BadPhotographsAreRejectedAndTheOthersGoOn) {
