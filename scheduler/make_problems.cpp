@@ -57,6 +57,7 @@ std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state
     }
     problem->known = state.constraints;
     problem->previous = state.scene;
+    problem->evidence = evidence_of(state.images);
     return problem;
 }
 

@@ -13,7 +13,7 @@
 #include "stages/merge/cluster_index.h"
 #include "stages/merge/cluster_pose_graph.h"
 #include "stages/merge/estimate_cluster_constraint.h"
-#include "stages/merge/keep_frame.h"
+#include "stages/merge/place_components.h"
 
 namespace psfm {
 namespace {
@@ -34,6 +34,10 @@ const MergeCluster* find_cluster(const MergeProblem& problem, ClusterId id) {
 Result<void> check(const MergeProblem& problem) {
     if (!std::ranges::is_sorted(problem.clusters, std::ranges::less_equal{}, &MergeCluster::id)) {
         return invalid("clusters must be ascending by id, each once");
+    }
+    if (!std::ranges::is_sorted(problem.evidence, std::ranges::less_equal{},
+                                &ImageEvidence::image)) {
+        return invalid("evidence must be ascending by image, each once");
     }
     const auto key = [](const ClusterPairEdges& pair) { return std::pair(pair.a, pair.b); };
     if (!std::ranges::is_sorted(problem.pairs, std::ranges::less_equal{}, key)) {
@@ -133,13 +137,6 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
     }
 }
 
-/// Clusters that stand in one frame.
-struct Component {
-    std::vector<const MergeCluster*> clusters;  ///< ascending by id
-    std::vector<Sim3> component_from_cluster;
-    std::size_t placed = 0;
-};
-
 Result<std::vector<Component>> solve_components(const MergeProblem& problem,
                                                 std::vector<PairTask>& tasks,
                                                 const PoseGraphOptions& options) {
@@ -180,34 +177,6 @@ Result<std::vector<Component>> solve_components(const MergeProblem& problem,
     return components;
 }
 
-/// Gauge of a component: where its images were, else that of its root at a spacing of 1.
-Sim3 frame_of(const Component& component, const Scene* previous,
-              const std::unordered_map<ImageId, Rigid3>& published) {
-    std::vector<PlacedImage> images;
-    std::vector<Eigen::Vector3d> centres;
-    std::vector<Sim3> candidates;
-    for (std::size_t c = 0; c < component.clusters.size(); ++c) {
-        const MergeCluster& cluster = *component.clusters[c];
-        const Sim3& component_from_cluster = component.component_from_cluster[c];
-        for (const RegisteredImage& image : cluster.model->images) {
-            images.push_back(
-                {image.image, transform_pose(image.cam_from_cluster, component_from_cluster)});
-            centres.push_back(images.back().cam_from_component.target_origin_in_source());
-        }
-        if (previous == nullptr) continue;
-        const auto before = std::ranges::find(previous->clusters, cluster.id,
-                                              [](const auto& known) { return known->id; });
-        if (before != previous->clusters.end() && (*before)->model != nullptr &&
-            (*before)->revision == cluster.revision) {
-            candidates.push_back((*before)->world_from_cluster * inverse(component_from_cluster));
-        }
-    }
-    const double spacing = median_neighbor_distance(centres);
-    Sim3 fresh;
-    if (spacing > 0.0) fresh.scale = 1.0 / spacing;
-    return world_from_component(images, published, candidates, fresh);
-}
-
 }  // namespace
 
 Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options) {
@@ -225,10 +194,13 @@ Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& o
         result.dropped += task.constraint.accepted() && !task.constraint.used ? 1 : 0;
         result.constraints.push_back(std::move(task.constraint));
     }
-    std::unordered_map<ImageId, Rigid3> published;
-    if (problem.previous != nullptr) published = published_poses(*problem.previous);
+    PlacedComponents placed =
+        place_components(*components, problem.previous.get(), problem.evidence, options);
+    result.places = std::move(placed.places);
+    result.datum = placed.datum;
     for (const Component& component : *components) {
-        const Sim3 world_from_component = frame_of(component, problem.previous.get(), published);
+        const Sim3& world_from_component =
+            result.places[result.effective_clusters].world_from_component;
         for (std::size_t c = 0; c < component.clusters.size(); ++c) {
             result.placements.push_back({component.clusters[c]->id,
                                          world_from_component * component.component_from_cluster[c],

@@ -3,26 +3,21 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "graph/ids.h"
-#include "graph/reconstruction.h"
+#include "graph/image.h"
 #include "graph/result.h"
 #include "graph/scene.h"
 #include "graph/sim3.h"
 #include "graph/two_view_geometry.h"
 #include "stages/merge/cluster_constraint.h"
+#include "stages/merge/image_evidence.h"
 #include "stages/merge/merge_options.h"
+#include "stages/merge/place_components.h"
 
 namespace psfm {
-
-/// A cluster to be placed.
-struct MergeCluster {
-    ClusterId id{};
-    std::uint32_t revision = 0;                   ///< changes whenever the model does
-    std::shared_ptr<const Reconstruction> model;  ///< null or empty while unsolved
-};
 
 /// The view graph's edges between two clusters.
 struct ClusterPairEdges {
@@ -36,6 +31,7 @@ struct MergeProblem {
     std::vector<ClusterPairEdges> pairs;   ///< ascending by (a, b), each at most once
     std::vector<ClusterConstraint> known;  ///< MergeResult::constraints of the version before
     ScenePtr previous;                     ///< the published version before; null for the first
+    std::vector<ImageEvidence> evidence;   ///< of the session, ascending by image; may be empty
 };
 
 /// Where one cluster stands.
@@ -53,9 +49,12 @@ struct MergeResult {
     /// itself.
     std::uint32_t effective_clusters = 0;
     std::vector<ClusterConstraint>
-        constraints;            ///< ascending by (a, b): one for each pair with two models
-    std::uint32_t reused = 0;   ///< constraints taken from MergeProblem::known
-    std::uint32_t dropped = 0;  ///< accepted constraints that the pose graph contradicts
+        constraints;  ///< ascending by (a, b): one for each pair with two models
+    /// What each effective cluster that holds a model stands on, by its number.
+    std::vector<ComponentPlace> places;
+    std::optional<GpsPosition> datum;  ///< see PlacedComponents
+    std::uint32_t reused = 0;          ///< constraints taken from MergeProblem::known
+    std::uint32_t dropped = 0;         ///< accepted constraints that the pose graph contradicts
 };
 
 /// Puts the clusters' models into one frame (paper sec. "Cluster Pose Estimation"):
@@ -63,9 +62,8 @@ struct MergeResult {
 /// Sim(3) for each pair from the surviving edges, a pose graph with Huber loss over all clusters.
 /// Each connected component of accepted constraints is one effective cluster.
 ///
-/// The frame does not jump: a component with images that `previous` placed is moved as a whole by
-/// the similarity that brings most of them where they were. A new component has the gauge of its
-/// largest cluster, scaled so that the median distance of a camera to its nearest neighbour is 1.
+/// The frame does not jump, and is that of the earth once the photographs' positions tell it:
+/// place_components.h has the rules. Positions and gravity place whole components and join none.
 /// A known constraint is used again when both revisions and the edges are what they were.
 ///
 /// @errors kInvalidArgument (lists not ascending, unknown clusters, null edges, options)

@@ -71,6 +71,11 @@ bool is_there(const std::filesystem::path& path) {
     return std::filesystem::exists(path, ignored);
 }
 
+Error not_ours(const std::filesystem::path& path) {
+    return {ErrorCode::kInvalidArgument,
+            path.string() + " was not written by psfm: choose another output folder, or remove it"};
+}
+
 /// Decides over every file that has, or could be taken to have, a part in this export: what psfm
 /// wrote earlier is replaced or removed, anything else stops the export.
 Result<void> settle_previous(std::size_t models, ExportFormat format,
@@ -88,10 +93,7 @@ Result<void> settle_previous(std::size_t models, ExportFormat format,
         if (n >= models && present.empty()) return {};
         for (const auto& path : present) {
             if (!previous.wrote(path)) {
-                return Error{
-                    ErrorCode::kInvalidArgument,
-                    path.string() +
-                        " was not written by psfm: choose another output folder, or remove it"};
+                return not_ours(path);
             }
             const bool replaced = n < models && std::ranges::find(own, path) != own.end();
             if (replaced) continue;
@@ -101,6 +103,20 @@ Result<void> settle_previous(std::size_t models, ExportFormat format,
         if (n >= models) continue;
         for (const auto& path : own) previous.add(path);
     }
+}
+
+/// The same for the file that tells where on the earth the models stand.
+Result<void> settle_geo_text(const std::filesystem::path& path, bool wanted,
+                             PreviousExport& previous, StagedFiles& files) {
+    const bool ours = previous.wrote(path);
+    if (wanted) {
+        if (is_there(path) && !ours) return not_ours(path);
+        previous.add(path);
+    } else if (ours) {
+        if (is_there(path)) files.remove_outdated(path);
+        previous.remove(path);
+    }
+    return {};
 }
 
 }  // namespace
@@ -144,8 +160,17 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
     if (auto settled = settle_previous(models.size(), format, folder, *previous, files); !settled) {
         return settled.error();
     }
+    const std::filesystem::path geo_path = folder / "geo.txt";
+    if (auto settled = settle_geo_text(geo_path, !options.geo_text.empty(), *previous, files);
+        !settled) {
+        return settled.error();
+    }
     // The list comes first: should the machine stop between two files, none of them is a stranger.
     if (auto staged = previous->stage(files); !staged) return staged.error();
+    if (!options.geo_text.empty()) {
+        auto staged = files.write(geo_path, [&](OutputFile& file) { file.text(options.geo_text); });
+        if (!staged) return staged.error();
+    }
     Paths written;
     for (std::size_t n = 0; n < models.size(); ++n) {
         const std::filesystem::path place = folder / std::to_string(n);

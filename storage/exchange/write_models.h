@@ -37,7 +37,10 @@ FeatureUse feature_use(ExportFormat format);
 struct WriteModelsOptions {
     /// Where the photographs are, for formats that refer to them by path (nerfstudio). Empty: names
     /// only.
-    std::filesystem::path photo_folder;
+    std::filesystem::path photo_folder = {};
+    /// Contents of DIR/geo.txt, which tells where on the earth the models stand. Empty: they stand
+    /// nowhere, and such a file of an earlier export is removed.
+    std::string geo_text = {};
 };
 
 /// Writes models into a folder, which is made if need be. All files appear together at the end, so

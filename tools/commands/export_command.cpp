@@ -14,6 +14,7 @@
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/export_database.h"
+#include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"
 
 namespace psfm {
@@ -80,10 +81,15 @@ int run_export(const ExportArguments& arguments) {
             << "psfm: only poses of this version are kept, so the export has no points; a session "
                "made with --history full keeps them\n";
     }
+    const auto reference = world_reference_of(*models, *images);
     const auto written =
-        write_models(*models, *format, arguments.output, {.photo_folder = settings->photo_folder});
+        write_models(*models, *format, arguments.output,
+                     {.photo_folder = settings->photo_folder,
+                      .geo_text = reference ? geo_text(*reference) : std::string()});
     if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
     print_summary(*models, *written);
+    if (reference)
+        std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;
     return 0;
 }
 
@@ -124,6 +130,8 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "  colmap-database      OUTPUT/database.db: cameras, images, features and verified "
         "matches,\n"
         "                       for `colmap mapper` and its friends\n"
+        "Where photographs have GPS positions, OUTPUT/geo.txt tells where on the earth models "
+        "stand.\n"
         "An earlier export in the same folder is replaced as a whole; other files there are left "
         "alone.\n"
         "\n"

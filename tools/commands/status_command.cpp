@@ -8,10 +8,12 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "scheduler/encode_state.h"
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"
 
 namespace psfm {
@@ -21,6 +23,7 @@ struct Status {
     SceneSummary summary;
     std::vector<Image> images;
     std::vector<RejectedPhoto> rejected;
+    std::optional<WorldReference> reference;
 };
 
 Result<Status> read_status(const std::string& session) {
@@ -34,7 +37,12 @@ Result<Status> read_status(const std::string& session) {
     if (!text.ok()) return text.error();
     auto summary = decode_summary(*text);
     if (!summary.ok()) return summary.error();
-    Status status{*std::move(summary), *std::move(images), *std::move(rejected)};
+    Status status{*std::move(summary), *std::move(images), *std::move(rejected), std::nullopt};
+    if (datum_of(evidence_of(status.images))) {  // without positions no model is read
+        const auto scene = (*reader)->scene();
+        if (!scene.ok()) return scene.error();
+        status.reference = world_reference_of(*scene, status.images);
+    }
     // Images that arrived after the version are waiting, too.
     SessionCounts& counts = status.summary.counts;
     counts.images = static_cast<std::uint32_t>(status.images.size());
@@ -48,6 +56,12 @@ void print_json(const Status& status) {
     nlohmann::ordered_json events = nlohmann::ordered_json::array();
     for (const PastEvent& event : status.summary.events)
         events.push_back({{"image", event.image}, {"event", event.kind}, {"text", event.text}});
+    nlohmann::ordered_json datum;
+    if (status.reference) {
+        datum = {{"latitude_deg", status.reference->datum.latitude_deg},
+                 {"longitude_deg", status.reference->datum.longitude_deg},
+                 {"altitude_m", status.reference->datum.altitude_m.value_or(0.0)}};
+    }
     std::cout << nlohmann::ordered_json{{"images", counts.images},
                                         {"placed", counts.placed},
                                         {"waiting", counts.waiting},
@@ -62,6 +76,7 @@ void print_json(const Status& status) {
                                         {"solves_settle", counts.solves_settle},
                                         {"solves_skipped", counts.solves_skipped},
                                         {"solves_coalesced", counts.solves_coalesced},
+                                        {"datum", std::move(datum)},
                                         {"events", std::move(events)}}
                      .dump()
               << '\n';
@@ -78,6 +93,7 @@ void print_text(const Status& status) {
               << " extended, " << counts.solves_transfer << " transferred, " << counts.solves_settle
               << " settled, " << counts.solves_coalesced << " coalesced, " << counts.solves_skipped
               << " skipped\n";
+    if (status.reference) std::cout << describe(*status.reference) << '\n';
     for (const auto& [image, reason] : status.summary.waiting) {
         if (index_of(image) < status.images.size()) {
             std::cout << "waiting   " << status.images[index_of(image)].name << ": "

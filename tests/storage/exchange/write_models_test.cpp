@@ -42,6 +42,24 @@ TEST(WriteModels, NothingButTheFormatsFilesIsLeft) {
     }
 }
 
+TEST(WriteModels, GeoTextComesAndGoesWithTheExport) {
+    const test::TemporaryFolder folder;
+    const auto models = example_models(1);
+    const auto geo = folder.path() / "geo.txt";
+    WriteModelsOptions options;
+    options.geo_text = "datum_latitude_deg 55.7\n";
+    ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path(), options).ok());
+    EXPECT_TRUE(std::filesystem::exists(geo));
+    ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path(), options).ok());
+    ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path()).ok());
+    EXPECT_FALSE(std::filesystem::exists(geo));
+    // Somebody else's stays, and is not overwritten.
+    test::put_file(geo, "mine");
+    ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path()).ok());
+    EXPECT_FALSE(write_models(models, ExportFormat::kColmap, folder.path(), options).ok());
+    EXPECT_EQ(std::filesystem::file_size(geo), 4U);
+}
+
 TEST(WriteModels, LaterExportReplacesTheEarlierOneWhole) {
     const test::TemporaryFolder folder;
     test::put_file(folder.path() / "notes.txt", "mine");

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/merge/image_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace psfm {
+namespace {
+
+TEST(ImageEvidence, AxesAreEastNorthUp) {
+    const GpsPosition datum{55.698, 13.195, 37.0};
+    EXPECT_LT(enu_from_wgs84(datum, datum).norm(), 1e-9);
+    // A degree of the meridian is 111 340 m there, one of the parallel 62 867 m (WGS 84).
+    const Eigen::Vector3d north = enu_from_wgs84(datum, {55.699, 13.195, 37.0});
+    EXPECT_NEAR(north.y(), 111.34, 0.02);
+    EXPECT_LT(std::hypot(north.x(), north.z()), 0.01);
+    const Eigen::Vector3d east = enu_from_wgs84(datum, {55.698, 13.196, 37.0});
+    EXPECT_NEAR(east.x(), 62.87, 0.02);
+    const Eigen::Vector3d up = enu_from_wgs84(datum, {55.698, 13.195, 47.0});
+    EXPECT_LT((up - Eigen::Vector3d(0.0, 0.0, 10.0)).norm(), 1e-6);
+    EXPECT_NEAR(enu_from_wgs84(datum, {55.698, 13.195, std::nullopt}).z(), 0.0, 1e-9);
+}
+
+TEST(ImageEvidence, TheDatumIsTheFirstPlausiblePosition) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(datum_of({}));
+    std::vector<ImageEvidence> evidence{{ImageId{0}, std::nullopt},
+                                        {ImageId{1}, GpsPosition{0.0, 0.0, 5.0}},
+                                        {ImageId{2}, GpsPosition{91.0, 10.0, 5.0}},
+                                        {ImageId{3}, GpsPosition{nan, 10.0, 5.0}},
+                                        {ImageId{4}, GpsPosition{40.0, 181.0, 5.0}},
+                                        {ImageId{5}, GpsPosition{40.0, 10.0, nan}}};
+    EXPECT_FALSE(datum_of(evidence));
+    evidence.push_back({ImageId{6}, GpsPosition{0.0, 9.0, std::nullopt}});
+    evidence.push_back({ImageId{8}, GpsPosition{40.0, 9.0, 100.0}});
+    EXPECT_EQ(datum_of(evidence), (GpsPosition{0.0, 9.0, 0.0}));
+    EXPECT_EQ(find_evidence(evidence, ImageId{8}), &evidence.back());
+    EXPECT_EQ(find_evidence(evidence, ImageId{7}), nullptr);
+}
+
+}  // namespace
+}  // namespace psfm
