@@ -36,7 +36,7 @@ struct TwoViewGeometry {
     /// |translation| = 1, or 0 for kPureRotation. For unknown focal lengths: as with the cameras'
     /// guess.
     Rigid3 cam2_from_cam1;
-    double median_angle_deg = 0.0;      ///< median triangulation angle of the inliers
+    double median_angle_deg = 0.0;  ///< median triangulation angle of the inliers
     /// Part of the features that both images should show which was matched, and of those between
     /// the matches (their convex hull), 0 to 1; 0: unknown. See match_density.
     double match_density = 0.0;

@@ -168,7 +168,8 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
                                    testing::expected_keypoints(5), {})
                     .ok());
     ASSERT_TRUE(
-        store->commit_pairs(ImageId{5}, {}, {{ClusterId{1}, images, 1, 0, 0}}, {ClusterId{0}})
+        store
+            ->commit_pairs(ImageId{5}, {}, {{ClusterId{1}, images, 1, 0, 0, 0, {}}}, {ClusterId{0}})
             .ok());
     // The version shows the successor, which is not solved yet: the old model is its material.
     StoredSceneVersion scene;
@@ -183,7 +184,8 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
     const auto model =
         std::make_shared<const Reconstruction>(testing::random_model(images, 10, rng));
     ASSERT_TRUE(
-        store->commit_solution({ClusterId{1}, 1, model, ""}, {ClusterId{1}, images, 1, 1, 1}).ok());
+        store->commit_solution({ClusterId{1}, 1, model, ""}, {ClusterId{1}, images, 1, 1, 1, 0, {}})
+            .ok());
     scene.version = 7;
     scene.placements[0].revision = 1;
     ASSERT_TRUE(store->commit_scene(scene).ok());
@@ -191,6 +193,51 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
     EXPECT_EQ(count_of(*store, "points"), 1U);
     // Its poses stay: earlier versions show them.
     EXPECT_EQ(kept_of(*store, 4), Kept::kPoses);
+}
+
+TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
+    const TemporaryFolder folder;
+    const auto store = open(folder, History::kPoses);
+    commit(*store, 0, 5);
+    const StoredCluster before = store->clusters()->front();
+    const SolutionReference source{before.id, before.revision};
+    ASSERT_TRUE(store
+                    ->commit_image(testing::expected_image(5), testing::expected_camera(),
+                                   testing::expected_keypoints(5), {})
+                    .ok());
+    // Images 2 … 4 leave for a new cluster and bring their part of the model.
+    StoredCluster rest = before;
+    rest.members = {ImageId{0}, ImageId{1}};
+    rest.topology += 1;
+    const std::vector<ImageId> moved{ImageId{2}, ImageId{3}, ImageId{4}, ImageId{5}};
+    StoredCluster other{ClusterId{1}, moved, 1, 0, 0, 1, {source}};
+    ASSERT_TRUE(store->commit_pairs(ImageId{5}, {}, {rest, other}, {}).ok());
+
+    testing::Rng rng(4);
+    const auto solve = [&](StoredCluster& cluster) {
+        cluster.solved_topology = cluster.topology;
+        cluster.revision += 1;
+        const auto model =
+            std::make_shared<const Reconstruction>(testing::random_model(cluster.members, 5, rng));
+        return store->commit_solution({cluster.id, cluster.revision, model, ""}, cluster).ok();
+    };
+    StoredSceneVersion scene;
+    scene.version = 100;
+    scene.image_count = 6;
+    ASSERT_TRUE(solve(rest));
+    scene.placements = {{rest.id, rest.revision, rest.members, {}, 0}};
+    ASSERT_TRUE(store->commit_scene(scene).ok());
+    const auto kept = store->recycled_model(source);
+    ASSERT_TRUE(kept.ok() && *kept) << "the new cluster is not solved yet";
+    EXPECT_FALSE((*kept)->points.empty());
+
+    ASSERT_TRUE(solve(other));
+    scene.version = 101;
+    scene.placements.push_back({other.id, other.revision, other.members, {}, 0});
+    ASSERT_TRUE(store->commit_scene(scene).ok());
+    const auto gone = store->recycled_model(source);
+    ASSERT_TRUE(gone.ok());
+    EXPECT_EQ(*gone, nullptr);
 }
 
 }  // namespace

@@ -140,11 +140,11 @@ TEST(SessionStore, TakesImagesWithoutDescriptorsAndEmptySolutions) {
                     ->commit_image(testing::expected_image(0), testing::expected_camera(),
                                    testing::expected_keypoints(0), {})
                     .ok());
-    const StoredCluster cluster{ClusterId{5}, {ImageId{0}}, 1, 0, 0};
+    const StoredCluster cluster{ClusterId{5}, {ImageId{0}}, 1, 0, 0, 0, {}};
     ASSERT_TRUE(store->commit_pairs(ImageId{0}, {}, {cluster}, {}).ok());
     ASSERT_TRUE(store
                     ->commit_solution({ClusterId{5}, 1, nullptr, "{}"},
-                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1})
+                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1, 0, {}})
                     .ok());
     EXPECT_EQ((*store->descriptors(ImageId{0}))->rows(), 0U);
     ASSERT_TRUE(store->solution(ClusterId{5})->has_value());
@@ -165,7 +165,7 @@ TEST(SessionStore, NeverBringsRemovedClustersBack) {
                                        testing::expected_keypoints(4),
                                        testing::expected_descriptors(4))
                         .ok());
-        const StoredCluster successor{ClusterId{1}, testing::first_images(5), 1, 0, 0, 0};
+        const StoredCluster successor{ClusterId{1}, testing::first_images(5), 1, 0, 0, 0, {}};
         ASSERT_TRUE(
             store->commit_pairs(ImageId{4}, testing::expected_pairs(4), {successor}, {ClusterId{0}})
                 .ok());

@@ -116,7 +116,8 @@ class SessionCommands : public testing::Test {
             placement.members.push_back(static_cast<ImageId>(i));
         }
         model->points.push_back(point);
-        StoredCluster cluster{placement.cluster, placement.members, revision, revision, revision};
+        StoredCluster cluster{
+            placement.cluster, placement.members, revision, revision, revision, 0, {}};
         EXPECT_TRUE(
             store_->commit_solution({placement.cluster, revision, model, "{}"}, cluster).ok());
         return placement;
