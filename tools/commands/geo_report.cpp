@@ -43,6 +43,7 @@ std::optional<WorldReference> world_reference_of(const Scene& scene,
         }
     }
     std::vector<std::vector<CameraCentre>> cameras;
+    cameras.reserve(by_part.size());
     for (auto& [number, centres] : by_part) cameras.push_back(std::move(centres));
     return world_reference(cameras, evidence_of(images));
 }
