@@ -57,16 +57,16 @@ struct PlacedComponents {
 
 /// Frames of all components, such that nothing published jumps without a reason.
 /// 1. *Vision.* A component with images that `previous` placed is moved as a whole by the
-/// similarity
-///    that brings most of them where they were (keep_frame.h). A new one has the gauge of its
-///    largest cluster, scaled so that the median distance of a camera to its nearest neighbour
-///    is 1.
+///    similarity that brings most of them where they were (keep_frame.h). A new one has the gauge
+///    of its largest cluster, scaled so that the median distance of a camera to its nearest
+///    neighbour is 1.
 /// 2. *Positions.* A component with enough evidence (georeference.h) has a place on the earth. It
 ///    stays where 1 has it as long as that is within `hold` standard errors of the place (root mean
-///    square over its cameras) and within `hold_angle_deg` of its attitude; otherwise it moves
-///    there. So the first version with enough evidence moves once; after that a component only
-///    moves when the evidence has changed by more than it was known before, and by no more than
-///    that change. The same evidence leaves every bit as it was.
+///    square over its cameras) and turned against it by no more than as many of the heading's, or
+///    `hold_angle_deg`; otherwise it moves there. So the first version with enough evidence moves
+///    once; after that a component only moves when the estimate has changed by more than its error,
+///    and then to the estimate. With few positions the robust estimate may find another minimum:
+///    steps of some standard errors. The same evidence leaves it where it was, but for rounding.
 /// 3. *Gravity and whereabouts.* Where some component has a place and this one has not, it is
 ///    turned about its middle until up is +z, by the smallest turn, unless 1 has it upright within
 ///    `hold` standard deviations of gravity. If it has positions at all, and the median difference

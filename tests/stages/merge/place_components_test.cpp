@@ -139,7 +139,7 @@ TEST_F(PlaceComponents, WithoutPositionsNothingChanges) {
     }
 }
 
-TEST_F(PlaceComponents, TheSameEvidenceLeavesEveryBit) {
+TEST_F(PlaceComponents, TheSameEvidenceMovesNothing) {
     MergeProblem problem = apart();
     problem.evidence = evidence(0, 42);
     const MergeResult first = merged(problem, options);
@@ -207,7 +207,7 @@ TEST_F(PlaceComponents, APartWithoutPositionsIsTurnedUprightInItsPlace) {
     EXPECT_GT(up(after, 1).z(), std::cos(4.0 * std::numbers::pi / 180.0));
     EXPECT_NEAR(before.placements[1].world_from_cluster.scale,
                 after.placements[1].world_from_cluster.scale, 1e-9);
-    // Once upright it stays, bit by bit but for rounding.
+    // Once upright it stays, but for rounding.
     problem.previous = test::publish(problem, after);
     EXPECT_LT(largest_move(after, merged(problem, options)), 1e-9);
     // Without gravity it stays as it was, and the other part, a ring, needs none.
