@@ -16,6 +16,7 @@ namespace {
 
 std::vector<ImageId> images_of(const Reconstruction& model) {
     std::vector<ImageId> images;
+    images.reserve(model.images.size());
     for (const RegisteredImage& image : model.images) images.push_back(image.image);
     return images;
 }
@@ -91,6 +92,7 @@ Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, cons
     Recycling recycling;
     model.load(*problem.recycled.front());
     std::vector<ImageId> members;
+    members.reserve(problem.images.size());
     for (const ClusterImage& image : problem.images) members.push_back(image.id);
     std::vector<Reconstruction> parts;
     for (const auto& recycled : problem.recycled | std::views::drop(1))

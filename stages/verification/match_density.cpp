@@ -56,6 +56,7 @@ std::size_t count_inside(std::span<const Keypoint> keypoints, const AffineMap& m
 std::size_t count_in_hull(std::span<const Keypoint> keypoints,
                           const std::vector<Eigen::Vector2d>& matched) {
     std::vector<cv::Point2f> points;
+    points.reserve(matched.size());
     for (const Eigen::Vector2d& point : matched)
         points.emplace_back(static_cast<float>(point.x()), static_cast<float>(point.y()));
     std::vector<cv::Point2f> hull;

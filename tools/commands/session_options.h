@@ -12,7 +12,7 @@
 #include "graph/result.h"
 #include "scheduler/session_config.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
 }
 
