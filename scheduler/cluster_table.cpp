@@ -223,6 +223,10 @@ bool ClusterTable::busy() const {
         entries_, [](const auto& e) { return e.second.phase != ClusterPhase::kClean; });
 }
 
+void ClusterTable::end_restore() {
+    for (auto& [id, entry] : entries_) keep_members(entry);
+}
+
 void ClusterTable::restore_host(ImageId guest, ClusterId host) {
     host_of_[guest] = host;
     std::vector<ImageId>& guests = entries_.at(host).guests;
@@ -236,7 +240,7 @@ void ClusterTable::restore(ClusterEntry entry) {
     }
     const bool dirty = entry.solved_topology != entry.topology && entry.members.size() >= mu_min_;
     entry.phase = dirty ? ClusterPhase::kDirty : ClusterPhase::kClean;
-    keep_members(entries_[entry.id] = std::move(entry));
+    entries_[entry.id] = std::move(entry);
 }
 
 }  // namespace psfm

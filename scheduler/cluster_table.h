@@ -104,6 +104,9 @@ class ClusterTable {
     void restore(ClusterEntry entry);
     /// A guest as it was; changes nothing else. REQUIRES: the host was restored
     void restore_host(ImageId guest, ClusterId host);
+    /// Leaves of the restored models what their clusters place. REQUIRES: all hosts were restored,
+    /// since a model holds the guests of its cluster
+    void end_restore();
 
   private:
     void make_dirty(ClusterEntry& entry) const;

@@ -106,6 +106,7 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
             host_cluster(state.view_graph, state.clustering, image, options.solve.mu_min);
         if (host) state.clusters.restore_host(image, *host);
     }
+    state.clusters.end_restore();
     return {};
 }
 

@@ -280,6 +280,35 @@ TEST(ClusterTable, AGuestIsPlacedByItsHost) {
     EXPECT_EQ(table.images_of(*both.front()), images({0, 1, 2}));
 }
 
+TEST(ClusterTable, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
+    ClusterTable table(kMuMin);
+    ClusterEntry host;
+    host.id = cluster(0);
+    host.members = images({0, 1, 2});
+    host.topology = host.solved_topology = 2;
+    host.revision = 1;
+    const auto model = solve_of(host, images({0, 1, 2, 3})).solution.model;
+    host.model = model;
+    host.material = {{host.id, host.revision, model}};
+    table.restore(host);
+    ClusterEntry small;
+    small.id = cluster(1);
+    small.members = images({3});
+    table.restore(small);
+    table.restore_host(image(3), cluster(0));
+    ClusterEntry other = host;
+    other.id = cluster(2);
+    other.members = images({4, 5, 6});
+    other.model = solve_of(other, images({4, 5, 6, 7})).solution.model;
+    other.material = {{other.id, other.revision, other.model}};
+    table.restore(other);
+    table.end_restore();
+    EXPECT_EQ(table.entries().at(cluster(0)).model, model);
+    EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})});
+    EXPECT_EQ(table.entries().at(cluster(2)).model, nullptr) << "7 stands elsewhere";
+    EXPECT_EQ(material_of(table.entries().at(cluster(2))), Models{images({4, 5, 6})});
+}
+
 TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
     ClusterTable table(kMuMin);
     ClusterEntry clean;
