@@ -2,10 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scheduler/describe_events.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 namespace psfm {
+namespace {
+
+/// The first few names, and how many more there are.
+std::string listed(std::span<const std::string> names) {
+    constexpr std::size_t kShown = 3;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
+        text += (i == 0 ? "" : ", ") + names[i];
+    if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+    return text;
+}
+
+}  // namespace
 
 SessionEvent describe_change(const ClusterChange& change) {
     SessionEvent event;
@@ -45,17 +61,24 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     event.clusters = {index_of(problem.cluster)};
     event.images = {images[index_of(reason.pair.first)].name,
                     images[index_of(reason.pair.second)].name};
+    std::vector<std::string> reset_images;
+    for (const ImageId image : solution.statistics.reset_images)
+        reset_images.push_back(images[index_of(image)].name);
+    const std::string cluster = "cluster " + std::to_string(index_of(problem.cluster));
     const auto whole = [](double value) { return std::to_string(std::lround(value)); };
-    event.text = "cluster " + std::to_string(index_of(problem.cluster)) +
-                 " was reset: its model turned " + event.images[0] + " against " + event.images[1] +
-                 " by " + whole(reason.angle_deg) +
-                 " degrees otherwise than the averaged rotations, and so for " +
-                 std::to_string(reason.beyond) + " of " + std::to_string(reason.edges) +
-                 " edges; the new model has " + std::to_string(solution.model->images.size()) +
-                 " of " + std::to_string(problem.images.size()) + " images";
+    event.text = reset_images.empty() ? cluster + " was reset"
+                                      : listed(reset_images) + " of " + cluster + " placed anew";
+    event.text += ": its model turned " + event.images[0] + " against " + event.images[1] + " by " +
+                  whole(reason.angle_deg) +
+                  " degrees otherwise than the averaged rotations, and so for " +
+                  std::to_string(reason.beyond) + " of " + std::to_string(reason.edges) +
+                  " edges; the new model has " + std::to_string(solution.model->images.size()) +
+                  " of " + std::to_string(problem.images.size()) + " images";
     event.detail_json = nlohmann::json{{"angle_deg", reason.angle_deg},
                                        {"edges", reason.edges},
                                        {"edges_beyond", reason.beyond},
+                                       {"scope", reset_images.empty() ? "cluster" : "images"},
+                                       {"reset_images", reset_images},
                                        {"placed", solution.model->images.size()},
                                        {"members", problem.images.size()}}
                             .dump();

@@ -44,6 +44,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.edges.min_relative_plausibility = 0.0;
         options.solve.rotation_averaging = RotationAveragingOptions{};
         options.solve.settling.images_for_principal_point = 0;
+        options.solve.max_reset_images = 0.0;
         options.merge.constraint.border_cameras = 0;
     } else if (config.preset != "default") {
         return Error{ErrorCode::kInvalidArgument,

@@ -73,10 +73,11 @@ struct SolveStatistics {
     bool is_global = false;           ///< new, and started with all images at once
     std::uint32_t joined_models = 0;  ///< recycled models that could be joined to the first
     std::uint32_t left_models = 0;    ///< and those that could not
-    /// Of the recycled model, when it was given up for a new one (paper sec. "Detection of Bad
-    /// Configurations").
+    /// Of the recycled model, when it was given up for a new one, or images of it were placed anew
+    /// (paper sec. "Detection of Bad Configurations").
     std::optional<Contradiction> reset;
-    std::uint32_t registered = 0;     ///< images added by this solve
+    std::vector<ImageId> reset_images;  ///< these images, ascending; empty: the whole cluster
+    std::uint32_t registered = 0;       ///< images added by this solve
     std::uint32_t removed_edges = 0;  ///< edges dropped from the local graph by rotation averaging
     std::uint32_t full_adjustments = 0;
     std::uint32_t local_adjustments = 0;

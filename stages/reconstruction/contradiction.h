@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "stages/reconstruction/cluster_problem.h"
 #include "stages/reconstruction/local_graph.h"
 #include "stages/reconstruction/working_model.h"
@@ -14,5 +17,12 @@ namespace psfm {
 /// @param max_deg  from which an edge counts as contradicting
 Contradiction find_contradiction(const WorkingModel& model, const LocalGraph& graph,
                                  double max_deg);
+
+/// The images that a contradiction comes down to (ours): those that no chain of agreeing edges
+/// joins to the largest part of the model, and within that part those whose edges contradict most,
+/// until none is left that does. A model that is folded gives a whole side of the fold.
+/// @return local images, ascending
+std::vector<std::uint32_t> contradicting_images(const WorkingModel& model, const LocalGraph& graph,
+                                                double max_deg);
 
 }  // namespace psfm

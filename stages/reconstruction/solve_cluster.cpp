@@ -10,6 +10,7 @@
 #include "stages/reconstruction/grow_model.h"
 #include "stages/reconstruction/initialize_model.h"
 #include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/mend_model.h"
 #include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
 #include "stages/reconstruction/solve_global.h"
@@ -126,7 +127,7 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
     return best;
 }
 
-/// Joins what is recycled, adds the other images, and adjusts.
+/// Joins what is recycled, adds the other images, places anew the few that contradict, and adjusts.
 Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& graph,
                                const CorrespondenceGraph& matches, const SolveOptions& options,
                                const std::atomic<bool>* cancel) {
@@ -150,6 +151,12 @@ Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& 
     const auto grown =
         grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
+    if (is_bad_configuration(find_contradiction(model, graph, options.max_contradiction_deg),
+                             model.registered_count(), attempt.state, options)) {
+        const auto mended =
+            mend_model(model, problem, graph, options, cancel, attempt.state, attempt.statistics);
+        if (!mended.ok()) return mended.error();
+    }
     if (problem.settle) {
         if (const auto done = refine(options.settling); !done.ok()) return done.error();
     }
@@ -158,18 +165,6 @@ Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& 
                               : problem.recycled.size() > 1 ? SolveKind::kTransfer
                                                             : SolveKind::kExtend;
     return attempt;
-}
-
-/// Whether a model that was recycled is to be given up (paper sec. "Detection of Bad
-/// Configurations"). One that has been compared with a new one before has to have become worse, or
-/// larger by a quarter (ours): else an ambiguous cluster would be solved new with every image.
-bool contradicts_itself(const Attempt& attempt, const SolveOptions& options) {
-    const double angle = attempt.contradiction.angle_deg;
-    if (angle <= options.max_contradiction_deg) return false;
-    const bool worse = angle > 1.5 * attempt.state.tolerated_contradiction_deg;
-    const bool larger =
-        4 * attempt.model.images.size() > 5 * std::size_t{attempt.state.images_at_contradiction};
-    return worse || larger;
 }
 
 /// Whether a new model is the better one: fewer of its edges contradict, and it is not much
@@ -187,7 +182,9 @@ Result<Attempt> solve_or_reset(const ClusterProblem& problem, const LocalGraph& 
                                const CorrespondenceGraph& matches, const SolveOptions& options,
                                const std::atomic<bool>* cancel) {
     auto attempt = solve_recycled(problem, graph, matches, options, cancel);
-    if (!attempt.ok() || !contradicts_itself(*attempt, options)) return attempt;
+    if (!attempt.ok() || !is_bad_configuration(attempt->contradiction, attempt->model.images.size(),
+                                               attempt->state, options))
+        return attempt;
     auto fresh = solve_new(problem, graph, matches, options, cancel);
     if (!fresh.ok()) return fresh;
     if (is_better(*fresh, *attempt)) {

@@ -104,6 +104,13 @@ struct SolveOptions {
     /// [deg]. Higher: folded models live on; lower: drift is taken for a fold. Paper: rho_l,max =
     /// 10.
     double max_contradiction_deg = 10.0;
+    /// Only the images that a contradiction comes down to are placed anew, when they are at most
+    /// this part of the model; else the cluster is solved new. Raised: folds may be patched instead
+    /// of undone; lowered: slower, since one wrong image gives up the work of hundreds. Ours.
+    double max_reset_images = 0.15;
+    /// Part of the edges that may still contradict after that: at such places it is the averaged
+    /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours.
+    double max_contradicting_edges = 0.02;
     /// How two models that come together in a cluster are joined. Their cameras may interleave: the
     /// clustering has found that they belong together.
     ClusterConstraintOptions transfer{.min_neighborhood_similarity = 0.0};

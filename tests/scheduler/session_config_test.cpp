@@ -39,6 +39,7 @@ TEST(StageOptions, PaperPresetSetsThePapersFormula) {
     EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kMutual);
     config.preset = "paper";
     EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kLiteral);
+    EXPECT_EQ(stage_options(config)->solve.max_reset_images, 0.0) << "whole clusters only";
     config.preset = "other";
     EXPECT_EQ(stage_options(config).error().code, ErrorCode::kInvalidArgument);
 }

@@ -127,10 +127,45 @@ TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
     const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), {});
     ASSERT_TRUE(solution.ok());
     ASSERT_TRUE(solution->statistics.reset);
+    EXPECT_TRUE(solution->statistics.reset_images.empty()) << "the whole cluster";
     EXPECT_NEAR(solution->statistics.reset->angle_deg, 60.0, 5.0);
     EXPECT_GT(solution->statistics.reset->beyond, 0U);
     EXPECT_EQ(solution->statistics.kind, SolveKind::kNew);
     EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
+TEST(RecycleModels, PlacesAnewTheOneImageThatContradicts) {
+    const SyntheticScene scene = noisy_ring(5);
+    Reconstruction model = *model_of(scene, range(0, kImages), 51);
+    RegisteredImage& wrong = model.images[6];
+    wrong.cam_from_cluster.rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY())) *
+        wrong.cam_from_cluster.rotation;
+    const auto solution = solve_cluster(
+        ring_problem(scene, {std::make_shared<const Reconstruction>(std::move(model))}), {});
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->statistics.reset);
+    EXPECT_EQ(solution->statistics.reset_images, std::vector{ImageId{6}});
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kExtend);
+    EXPECT_EQ(solution->statistics.registered, 1U);
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+    EXPECT_LT(solution->state.tolerated_contradiction_deg, SolveOptions{}.max_contradiction_deg);
+}
+
+TEST(RecycleModels, SolvesNewWhereImagesMayNotBePlacedAnew) {
+    const SyntheticScene scene = noisy_ring(5);
+    Reconstruction model = *model_of(scene, range(0, kImages), 51);
+    model.images[6].cam_from_cluster.rotation = model.images[14].cam_from_cluster.rotation;
+    SolveOptions options;
+    options.max_reset_images = 0.0;
+    const auto solution = solve_cluster(
+        ring_problem(scene, {std::make_shared<const Reconstruction>(std::move(model))}), options);
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->statistics.reset);
+    EXPECT_TRUE(solution->statistics.reset_images.empty());
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kNew);
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
 

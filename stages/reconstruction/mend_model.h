@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+
+#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/solve_options.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+/// Whether a model that was recycled contradicts the averaged rotations, and something is to be
+/// done about it (paper sec. "Detection of Bad Configurations"). One that has been looked at before
+/// has to have become worse, or larger by a quarter (ours): else an ambiguous cluster would be
+/// solved new with every image.
+bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
+                          const SolveState& state, const SolveOptions& options);
+
+/// Resets the images that a contradiction comes down to, when they are few: takes them out and adds
+/// them again, now that more of the scene is known than when they were placed (ours; the paper
+/// resets whole clusters, which stays for everything else). Sets statistics.reset and reset_images,
+/// and notes in `state` what contradiction is left.
+/// Without effect when they are many; when adding them again leaves too much contradiction, the
+/// model stays a bad configuration.
+/// @errors those of grow_model
+Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
+                        const SolveOptions& options, const std::atomic<bool>* cancel,
+                        SolveState& state, SolveStatistics& statistics);
+
+}  // namespace psfm

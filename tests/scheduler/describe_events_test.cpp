@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/describe_events.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace psfm {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::vector<Image> named_images(std::uint32_t count) {
+    std::vector<Image> images(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        images[i].id = ImageId{i};
+        images[i].name = "photo" + std::to_string(i) + ".jpg";
+    }
+    return images;
+}
+
+/// Cluster 3 with five images, of which the model has four after a reset.
+struct ResetOfFive {
+    std::vector<Image> images = named_images(5);
+    ClusterProblem problem;
+    ClusterSolution solution;
+
+    explicit ResetOfFive(std::vector<ImageId> reset_images) {
+        problem.cluster = ClusterId{3};
+        Reconstruction model;
+        for (std::uint32_t i = 0; i < 5; ++i) {
+            problem.images.push_back({ImageId{i}, CameraId{}, 0, nullptr});
+            if (i < 4) model.images.push_back({ImageId{i}, CameraId{}, {}});
+        }
+        solution.model = std::make_shared<const Reconstruction>(std::move(model));
+        solution.statistics.reset = Contradiction{{ImageId{1}, ImageId{2}}, 59.7, 9, 2};
+        solution.statistics.reset_images = std::move(reset_images);
+    }
+    SessionEvent event() const { return describe_reset(problem, solution, images); }
+};
+
+TEST(DescribeReset, TellsOfAWholeCluster) {
+    const SessionEvent event = ResetOfFive({}).event();
+    EXPECT_EQ(event.text,
+              "cluster 3 was reset: its model turned photo1.jpg against photo2.jpg by 60 degrees "
+              "otherwise than the averaged rotations, and so for 2 of 9 edges; the new model has "
+              "4 of 5 images");
+    const auto detail = nlohmann::json::parse(event.detail_json);
+    EXPECT_EQ(detail.at("scope"), "cluster");
+    EXPECT_TRUE(detail.at("reset_images").empty());
+}
+
+TEST(DescribeReset, NamesTheImagesThatWerePlacedAnew) {
+    const SessionEvent event = ResetOfFive({ImageId{1}}).event();
+    EXPECT_THAT(event.text, StartsWith("photo1.jpg of cluster 3 placed anew: "));
+    const auto detail = nlohmann::json::parse(event.detail_json);
+    EXPECT_EQ(detail.at("scope"), "images");
+    EXPECT_EQ(detail.at("reset_images"), nlohmann::json({"photo1.jpg"}));
+}
+
+TEST(DescribeReset, NamesThreeImagesAndCountsTheOthers) {
+    const SessionEvent event =
+        ResetOfFive({ImageId{0}, ImageId{1}, ImageId{2}, ImageId{3}, ImageId{4}}).event();
+    EXPECT_THAT(event.text, StartsWith("photo0.jpg, photo1.jpg, photo2.jpg and 2 more of "));
+    EXPECT_THAT(event.detail_json, HasSubstr("photo4.jpg"));
+}
+
+}  // namespace
+}  // namespace psfm
