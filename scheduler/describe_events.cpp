@@ -55,30 +55,38 @@ SessionEvent describe_change(const ClusterChange& change) {
 
 SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution& solution,
                             std::span<const Image> images) {
-    const Contradiction& reason = *solution.statistics.reset;
+    const Reset& reset = *solution.statistics.reset;
+    const bool stuck = reset.reason == Reset::Reason::kStuck;
+    const Contradiction& contradiction = reset.contradiction;
     SessionEvent event;
     event.kind = SessionEvent::Kind::kReset;
     event.clusters = {index_of(problem.cluster)};
-    event.images = {images[index_of(reason.pair.first)].name,
-                    images[index_of(reason.pair.second)].name};
     std::vector<std::string> reset_images;
-    for (const ImageId image : solution.statistics.reset_images)
-        reset_images.push_back(images[index_of(image)].name);
+    for (const ImageId image : reset.images) reset_images.push_back(images[index_of(image)].name);
     const std::string cluster = "cluster " + std::to_string(index_of(problem.cluster));
-    const auto whole = [](double value) { return std::to_string(std::lround(value)); };
-    event.text = reset_images.empty() ? cluster + " was reset"
-                                      : listed(reset_images) + " of " + cluster + " placed anew";
-    event.text += ": its model turned " + event.images[0] + " against " + event.images[1] + " by " +
-                  whole(reason.angle_deg) +
-                  " degrees otherwise than the averaged rotations, and so for " +
-                  std::to_string(reason.beyond) + " of " + std::to_string(reason.edges) +
-                  " edges; the new model has " + std::to_string(solution.model->images.size()) +
-                  " of " + std::to_string(problem.images.size()) + " images";
-    event.detail_json = nlohmann::json{{"angle_deg", reason.angle_deg},
-                                       {"edges", reason.edges},
-                                       {"edges_beyond", reason.beyond},
+    event.text = reset_images.empty() ? cluster + " was reset: "
+                                      : listed(reset_images) + " of " + cluster + " placed anew: ";
+    if (stuck) {
+        event.text += "only " + std::to_string(reset.placed_before) +
+                      " of its images could be placed in its model";
+    } else {
+        event.images = {images[index_of(contradiction.pair.first)].name,
+                        images[index_of(contradiction.pair.second)].name};
+        event.text += "its model turned " + event.images[0] + " against " + event.images[1] +
+                      " by " + std::to_string(std::lround(contradiction.angle_deg)) +
+                      " degrees otherwise than the averaged rotations, and so for " +
+                      std::to_string(contradiction.beyond) + " of " +
+                      std::to_string(contradiction.edges) + " edges";
+    }
+    event.text += "; the new model has " + std::to_string(solution.model->images.size()) + " of " +
+                  std::to_string(problem.images.size()) + " images";
+    event.detail_json = nlohmann::json{{"reason", stuck ? "stuck" : "contradiction"},
                                        {"scope", reset_images.empty() ? "cluster" : "images"},
                                        {"reset_images", reset_images},
+                                       {"angle_deg", contradiction.angle_deg},
+                                       {"edges", contradiction.edges},
+                                       {"edges_beyond", contradiction.beyond},
+                                       {"placed_before", reset.placed_before},
                                        {"placed", solution.model->images.size()},
                                        {"members", problem.images.size()}}
                             .dump();

@@ -33,6 +33,7 @@ std::string encode_solve_state(const StoredSolveState& state) {
     return json{{"images_at_full_adjustment", state.state.images_at_full_adjustment},
                 {"tolerated_contradiction_deg", state.state.tolerated_contradiction_deg},
                 {"images_at_contradiction", state.state.images_at_contradiction},
+                {"images_at_start", state.state.images_at_start},
                 {"settled", state.settled}}
         .dump();
 }
@@ -48,6 +49,7 @@ StoredSolveState decode_solve_state(const std::string& text) {
     };
     count("images_at_full_adjustment", state.state.images_at_full_adjustment);
     count("images_at_contradiction", state.state.images_at_contradiction);
+    count("images_at_start", state.state.images_at_start);
     if (const auto angle = object.find("tolerated_contradiction_deg");
         angle != object.end() && angle->is_number()) {
         state.state.tolerated_contradiction_deg = angle->get<double>();

@@ -46,8 +46,9 @@ std::string focal_text(const PhotoMetadata& metadata) {
     return text;
 }
 
-bool names_its_camera(const PhotoMetadata& metadata) {
-    return !metadata.model.empty() && (metadata.focal_mm || metadata.focal_px);
+/// Make and model may be stripped (Mapillary's files have none): then focal length and size tell.
+bool knows_its_focal_length(const PhotoMetadata& metadata) {
+    return metadata.focal_mm || metadata.focal_px;
 }
 
 }  // namespace
@@ -78,7 +79,7 @@ std::string camera_key(CameraSharing sharing, const PhotoMetadata& metadata, std
             return "folder|" + escaped(folder) + "|" + size_text(metadata);
         }
         case CameraSharing::kAuto:
-            if (!names_its_camera(metadata)) break;
+            if (!knows_its_focal_length(metadata)) break;
             return "auto|" + escaped(user) + "|" + escaped(metadata.make) + "|" +
                    escaped(metadata.model) + "|" + size_text(metadata) + "|" + focal_text(metadata);
         case CameraSharing::kImage:

@@ -15,7 +15,9 @@ namespace psfm {
 
 /// Which photographs share one set of intrinsics (--camera-sharing).
 enum class CameraSharing {
-    kAuto,    ///< equal make, model, size and focal length in EXIF; otherwise each image its own
+    /// Equal make, model, size and focal length in EXIF, where make and model may be missing from
+    /// all; without a focal length each image its own.
+    kAuto,
     kImage,   ///< each image its own
     kFolder,  ///< images of one size in one folder
     kAll,     ///< images of one size

@@ -36,6 +36,8 @@ struct SolveState {
     /// solving new again before either has grown.
     double tolerated_contradiction_deg = 0.0;
     std::uint32_t images_at_contradiction = 0;
+    /// Images of the cluster when it was last solved new, whichever model was kept.
+    std::uint32_t images_at_start = 0;
     bool operator==(const SolveState&) const = default;
 };
 
@@ -68,16 +70,24 @@ struct Contradiction {
     std::uint32_t beyond = 0;  ///< those of them that contradict by more than rho_l,max
 };
 
+/// A recycled model was given up, or a part of it.
+struct Reset {
+    enum class Reason : std::uint8_t {
+        kContradiction,  ///< paper sec. "Detection of Bad Configurations"
+        kStuck,          ///< most images of the cluster could not be added to it
+    } reason = Reason::kContradiction;
+    Contradiction contradiction;       ///< of the recycled model
+    std::uint32_t placed_before = 0;   ///< images in it
+    std::vector<ImageId> images = {};  ///< that were placed anew, ascending; none: all of them
+};
+
 struct SolveStatistics {
     SolveKind kind = SolveKind::kNew;
     bool is_global = false;           ///< new, and started with all images at once
     std::uint32_t joined_models = 0;  ///< recycled models that could be joined to the first
     std::uint32_t left_models = 0;    ///< and those that could not
-    /// Of the recycled model, when it was given up for a new one, or images of it were placed anew
-    /// (paper sec. "Detection of Bad Configurations").
-    std::optional<Contradiction> reset;
-    std::vector<ImageId> reset_images;  ///< these images, ascending; empty: the whole cluster
-    std::uint32_t registered = 0;       ///< images added by this solve
+    std::optional<Reset> reset;
+    std::uint32_t registered = 0;     ///< images added by this solve
     std::uint32_t removed_edges = 0;  ///< edges dropped from the local graph by rotation averaging
     std::uint32_t full_adjustments = 0;
     std::uint32_t local_adjustments = 0;

@@ -24,14 +24,15 @@ Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, cons
     if (static_cast<double>(images.size()) >
         options.max_reset_images * static_cast<double>(model.registered_count()))
         return {};
+    const std::uint32_t placed_before = model.registered_count();
     for (const std::uint32_t image : images) model.remove_image(image);
     const auto grown = grow_model(model, problem, options, cancel, state, statistics);
     if (!grown.ok()) return grown.error();
     const Contradiction after = find_contradiction(model, graph, max_deg);
     if (after.beyond > options.max_contradicting_edges * after.edges) return {};
-    statistics.reset = before;
-    for (const std::uint32_t image : images)
-        statistics.reset_images.push_back(model.image_id(image));
+    Reset reset{Reset::Reason::kContradiction, before, placed_before};
+    for (const std::uint32_t image : images) reset.images.push_back(model.image_id(image));
+    statistics.reset = std::move(reset);
     state.tolerated_contradiction_deg = after.angle_deg;
     state.images_at_contradiction = model.registered_count();
     return {};

@@ -20,8 +20,8 @@ bool is_bad_configuration(const Contradiction& contradiction, std::size_t images
 
 /// Resets the images that a contradiction comes down to, when they are few: takes them out and adds
 /// them again, now that more of the scene is known than when they were placed (ours; the paper
-/// resets whole clusters, which stays for everything else). Sets statistics.reset and reset_images,
-/// and notes in `state` what contradiction is left.
+/// resets whole clusters, which stays for everything else). Sets statistics.reset, and
+/// notes in `state` what contradiction is left.
 /// Without effect when they are many; when adding them again leaves too much contradiction, the
 /// model stays a bad configuration.
 /// @errors those of grow_model

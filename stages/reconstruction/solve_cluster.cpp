@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <optional>
 
 #include "stages/reconstruction/contradiction.h"
 #include "stages/reconstruction/grow_model.h"
@@ -167,33 +168,61 @@ Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& 
     return attempt;
 }
 
-/// Whether a new model is the better one: fewer of its edges contradict, and it is not much
-/// smaller.
-bool is_better(const Attempt& fresh, const Attempt& old) {
-    const auto part = [](const Contradiction& contradiction) {
-        return static_cast<double>(contradiction.beyond) / std::max(1U, contradiction.edges);
-    };
-    return part(fresh.contradiction) < part(old.contradiction) &&
-           5 * fresh.model.images.size() >= 4 * old.model.images.size();
+/// Part of the edges that contradict.
+double contradicting_part(const Attempt& attempt) {
+    return static_cast<double>(attempt.contradiction.beyond) /
+           std::max(1U, attempt.contradiction.edges);
 }
 
-/// Extends what is recycled, or solves new when the result contradicts the averaged rotations.
+/// Whether a recycled model is to be compared with a new one, and why.
+std::optional<Reset::Reason> reason_to_reset(const Attempt& attempt, const ClusterProblem& problem,
+                                             const SolveOptions& options) {
+    const std::size_t placed = attempt.model.images.size();
+    if (is_bad_configuration(attempt.contradiction, placed, attempt.state, options))
+        return Reset::Reason::kContradiction;
+    // What was started with few images may stand where the others cannot be reached from (ours).
+    const std::size_t members = problem.images.size();
+    const std::size_t at_start = attempt.state.images_at_start;
+    const bool larger = problem.settle ? members > at_start : 4 * members > 5 * at_start;
+    if (4 * placed < 3 * members && larger) return Reset::Reason::kStuck;
+    return std::nullopt;
+}
+
+/// Whether a new model is the better one. In place of a bad one: fewer of its edges contradict, and
+/// it is not much smaller. In place of a stuck one: it is larger, and hardly an edge contradicts.
+bool is_better(const Attempt& fresh, const Attempt& old, Reset::Reason reason,
+               const SolveOptions& options) {
+    const std::size_t size = fresh.model.images.size();
+    if (reason == Reset::Reason::kContradiction) {
+        return contradicting_part(fresh) < contradicting_part(old) &&
+               5 * size >= 4 * old.model.images.size();
+    }
+    return size > old.model.images.size() &&
+           contradicting_part(fresh) <= options.max_contradicting_edges;
+}
+
+/// Extends what is recycled, or solves new when the result contradicts the averaged rotations or
+/// leaves much of the cluster out.
 Result<Attempt> solve_or_reset(const ClusterProblem& problem, const LocalGraph& graph,
                                const CorrespondenceGraph& matches, const SolveOptions& options,
                                const std::atomic<bool>* cancel) {
     auto attempt = solve_recycled(problem, graph, matches, options, cancel);
-    if (!attempt.ok() || !is_bad_configuration(attempt->contradiction, attempt->model.images.size(),
-                                               attempt->state, options))
-        return attempt;
+    if (!attempt.ok()) return attempt;
+    const auto reason = reason_to_reset(*attempt, problem, options);
+    if (!reason) return attempt;
     auto fresh = solve_new(problem, graph, matches, options, cancel);
     if (!fresh.ok()) return fresh;
-    if (is_better(*fresh, *attempt)) {
-        fresh->statistics.reset = attempt->contradiction;
+    if (is_better(*fresh, *attempt, *reason, options)) {
+        fresh->statistics.reset = Reset{*reason, attempt->contradiction,
+                                        static_cast<std::uint32_t>(attempt->model.images.size())};
         attempt = std::move(fresh);
     }
-    attempt->state.tolerated_contradiction_deg = attempt->contradiction.angle_deg;
-    attempt->state.images_at_contradiction =
-        static_cast<std::uint32_t>(attempt->model.images.size());
+    SolveState& state = attempt->state;
+    state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
+    if (*reason == Reset::Reason::kContradiction) {
+        state.tolerated_contradiction_deg = attempt->contradiction.angle_deg;
+        state.images_at_contradiction = static_cast<std::uint32_t>(attempt->model.images.size());
+    }
     return attempt;
 }
 
@@ -233,6 +262,8 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
                              : solve_or_reset(problem, *graph, matches, options, cancel);
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
+        if (problem.recycled.empty())
+            attempt.state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
         attempt.statistics.removed_edges = graph->removed_edges;
         reason = WaitReason::kNoSeed;
     }

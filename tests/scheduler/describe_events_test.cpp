@@ -36,8 +36,10 @@ struct ResetOfFive {
             if (i < 4) model.images.push_back({ImageId{i}, CameraId{}, {}});
         }
         solution.model = std::make_shared<const Reconstruction>(std::move(model));
-        solution.statistics.reset = Contradiction{{ImageId{1}, ImageId{2}}, 59.7, 9, 2};
-        solution.statistics.reset_images = std::move(reset_images);
+        solution.statistics.reset = Reset{Reset::Reason::kContradiction,
+                                          {{ImageId{1}, ImageId{2}}, 59.7, 9, 2},
+                                          4,
+                                          std::move(reset_images)};
     }
     SessionEvent event() const { return describe_reset(problem, solution, images); }
 };
@@ -51,6 +53,17 @@ TEST(DescribeReset, TellsOfAWholeCluster) {
     const auto detail = nlohmann::json::parse(event.detail_json);
     EXPECT_EQ(detail.at("scope"), "cluster");
     EXPECT_TRUE(detail.at("reset_images").empty());
+}
+
+TEST(DescribeReset, TellsOfAModelThatCouldNotGrow) {
+    ResetOfFive reset({});
+    reset.solution.statistics.reset = Reset{Reset::Reason::kStuck, {}, 2};
+    const SessionEvent event = reset.event();
+    EXPECT_EQ(event.text,
+              "cluster 3 was reset: only 2 of its images could be placed in its model; the new "
+              "model has 4 of 5 images");
+    EXPECT_TRUE(event.images.empty());
+    EXPECT_EQ(nlohmann::json::parse(event.detail_json).at("reason"), "stuck");
 }
 
 TEST(DescribeReset, NamesTheImagesThatWerePlacedAnew) {

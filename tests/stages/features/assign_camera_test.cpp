@@ -40,6 +40,17 @@ TEST(AssignCameraTest, AutoSharesWhatExifSaysIsOneCamera) {
               camera_key(CameraSharing::kAuto, phone(), "a/1.jpg", "ben"));
 }
 
+TEST(AssignCameraTest, AutoSharesWhereMakeAndModelAreStripped) {
+    PhotoMetadata stripped = phone();
+    stripped.make.clear();
+    stripped.model.clear();
+    const std::string key = camera_key(CameraSharing::kAuto, stripped, "1.jpg");
+    EXPECT_EQ(camera_key(CameraSharing::kAuto, stripped, "2.jpg"), key);
+    EXPECT_NE(camera_key(CameraSharing::kAuto, phone(), "2.jpg"), key);
+    stripped.focal_mm = 5.0;
+    EXPECT_NE(camera_key(CameraSharing::kAuto, stripped, "1.jpg"), key);
+}
+
 TEST(AssignCameraTest, WithoutExifEachImageIsItsOwnCamera) {
     PhotoMetadata unknown;
     unknown.width = 900;

@@ -127,9 +127,9 @@ TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
     const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), {});
     ASSERT_TRUE(solution.ok());
     ASSERT_TRUE(solution->statistics.reset);
-    EXPECT_TRUE(solution->statistics.reset_images.empty()) << "the whole cluster";
-    EXPECT_NEAR(solution->statistics.reset->angle_deg, 60.0, 5.0);
-    EXPECT_GT(solution->statistics.reset->beyond, 0U);
+    EXPECT_TRUE(solution->statistics.reset->images.empty()) << "the whole cluster";
+    EXPECT_NEAR(solution->statistics.reset->contradiction.angle_deg, 60.0, 5.0);
+    EXPECT_GT(solution->statistics.reset->contradiction.beyond, 0U);
     EXPECT_EQ(solution->statistics.kind, SolveKind::kNew);
     EXPECT_EQ(solution->model->images.size(), kImages);
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
@@ -146,7 +146,7 @@ TEST(RecycleModels, PlacesAnewTheOneImageThatContradicts) {
         ring_problem(scene, {std::make_shared<const Reconstruction>(std::move(model))}), {});
     ASSERT_TRUE(solution.ok());
     ASSERT_TRUE(solution->statistics.reset);
-    EXPECT_EQ(solution->statistics.reset_images, std::vector{ImageId{6}});
+    EXPECT_EQ(solution->statistics.reset->images, std::vector{ImageId{6}});
     EXPECT_EQ(solution->statistics.kind, SolveKind::kExtend);
     EXPECT_EQ(solution->statistics.registered, 1U);
     EXPECT_EQ(solution->model->images.size(), kImages);
@@ -164,7 +164,7 @@ TEST(RecycleModels, SolvesNewWhereImagesMayNotBePlacedAnew) {
         ring_problem(scene, {std::make_shared<const Reconstruction>(std::move(model))}), options);
     ASSERT_TRUE(solution.ok());
     ASSERT_TRUE(solution->statistics.reset);
-    EXPECT_TRUE(solution->statistics.reset_images.empty());
+    EXPECT_TRUE(solution->statistics.reset->images.empty());
     EXPECT_EQ(solution->statistics.kind, SolveKind::kNew);
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
@@ -183,6 +183,35 @@ TEST(RecycleModels, DoesNotSolveNewAgainWhatWasComparedBefore) {
     const auto grown = solve_cluster(problem, {});
     ASSERT_TRUE(grown.ok());
     EXPECT_TRUE(grown->statistics.reset);
+}
+
+/// Three cameras of one point each: a model that nothing can be added to.
+ModelPtr model_that_cannot_grow(const SyntheticScene& scene) {
+    Reconstruction model = *model_of(scene, range(0, 3), 61);
+    model.points.resize(1);
+    return std::make_shared<const Reconstruction>(std::move(model));
+}
+
+TEST(RecycleModels, StartsAnewWhereMostImagesCannotBeAdded) {
+    const SyntheticScene scene = noisy_ring(6);
+    const auto solution = solve_cluster(ring_problem(scene, {model_that_cannot_grow(scene)}), {});
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->statistics.reset);
+    EXPECT_EQ(solution->statistics.reset->reason, Reset::Reason::kStuck);
+    EXPECT_EQ(solution->statistics.reset->placed_before, 3U);
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_EQ(solution->state.images_at_start, kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
+TEST(RecycleModels, DoesNotStartAnewBeforeTheClusterHasGrown) {
+    const SyntheticScene scene = noisy_ring(6);
+    ClusterProblem problem = ring_problem(scene, {model_that_cannot_grow(scene)});
+    problem.recycled_state.images_at_start = kImages - 3;  // less than a quarter since
+    const auto solution = solve_cluster(problem, {});
+    ASSERT_TRUE(solution.ok());
+    EXPECT_FALSE(solution->statistics.reset);
+    EXPECT_EQ(solution->model->images.size(), 3U);
 }
 
 }  // namespace
