@@ -15,6 +15,7 @@
 #include "stages/reconstruction/maximum_spanning_tree.h"
 #include "stages/reconstruction/refine_rotations.h"
 #include "stages/reconstruction/rotation_problem.h"
+#include "stages/reconstruction/start_rotations.h"
 
 namespace psfm {
 namespace {
@@ -61,41 +62,6 @@ std::vector<std::uint32_t> pulling_edges(std::span<const RelativeRotation> edges
     return chosen;
 }
 
-/// Walks the forest from the smallest node of each tree: sets node_from_reference and component.
-void start_from_forest(std::span<const RelativeRotation> edges,
-                       const std::vector<std::uint32_t>& forest, RotationAveraging& result) {
-    const std::size_t nodes = result.node_from_reference.size();
-    std::vector<std::vector<std::uint32_t>> at(nodes);
-    for (const std::uint32_t e : forest) {
-        at[edges[e].i].push_back(e);
-        at[edges[e].j].push_back(e);
-    }
-    constexpr auto kUnseen = static_cast<std::uint32_t>(-1);
-    result.component.assign(nodes, kUnseen);
-    for (std::uint32_t root = 0; root < nodes; ++root) {
-        if (result.component[root] != kUnseen) continue;
-        result.component[root] = result.component_count;
-        std::vector<std::uint32_t> open{root};
-        while (!open.empty()) {
-            const std::uint32_t node = open.back();
-            open.pop_back();
-            for (const std::uint32_t e : at[node]) {
-                const bool forward = edges[e].i == node;
-                const std::uint32_t next = forward ? edges[e].j : edges[e].i;
-                if (result.component[next] != kUnseen) continue;
-                result.component[next] = result.component_count;
-                const Eigen::Quaterniond next_from_node =
-                    forward ? edges[e].j_from_i.normalized()
-                            : edges[e].j_from_i.normalized().conjugate();
-                result.node_from_reference[next] =
-                    (next_from_node * result.node_from_reference[node]).normalized();
-                open.push_back(next);
-            }
-        }
-        ++result.component_count;
-    }
-}
-
 std::vector<double> residuals_deg(std::span<const RelativeRotation> edges,
                                   const std::vector<Eigen::Quaterniond>& node_from_reference) {
     std::vector<double> residuals;
@@ -123,6 +89,7 @@ Result<void> validate(const RotationAveragingOptions& options) {
         return invalid("weight_power must be between 0 and 8; 1 is the paper's");
     }
     if (!(options.convergence_deg > 0.0)) return invalid("convergence_deg must be positive");
+    if (!(options.consensus_deg >= 0.0)) return invalid("consensus_deg must not be negative");
     if (!(options.loss_scale_deg > 0.0)) return invalid("loss_scale_deg must be positive");
     if (options.max_iterations > 0 && options.max_solver_iterations == 0) {
         return invalid("max_solver_iterations must be at least 1");
@@ -141,9 +108,14 @@ Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> ed
     for (const RelativeRotation& edge : edges) weighted.push_back({edge.i, edge.j, edge.weight});
     const std::vector<std::uint32_t> forest = maximum_spanning_forest(weighted, node_count);
 
+    StartRotations start = options.consensus_deg > 0.0
+                               ? rotations_by_consensus(edges, node_count, options.consensus_deg)
+                               : rotations_of_forest(edges, forest, node_count);
+
     RotationAveraging result;
-    result.node_from_reference.assign(node_count, Eigen::Quaterniond::Identity());
-    start_from_forest(edges, forest, result);
+    result.node_from_reference = std::move(start.node_from_reference);
+    result.component = std::move(start.component);
+    result.component_count = start.component_count;
     result.start_residual_deg = residuals_deg(edges, result.node_from_reference);
 
     // Components as problems of their own; nodes ascending, so that node 0 is the reference.

@@ -43,6 +43,10 @@ struct RotationAveragingOptions {
     /// residuals are given for all. 0: all edges, as in the paper. Lowered: weak edges, right or
     /// wrong, have no say.
     std::uint32_t strongest_edges_per_node = 0;
+    /// Start: parts of the graph are joined as most of the edges between them agree within so many
+    /// degrees (rotations_by_consensus). 0: as the strongest edge has it, the maximum spanning tree
+    /// of the paper. Raised: noisy parts find an agreement, and different wrong edges one another.
+    double consensus_deg = 0.0;
     RotationNorm norm = RotationNorm::kLength;
     /// Linearisations; 0 leaves the rotations of the spanning tree. Each costs up to
     /// max_solver_iterations. Ours: planted cases take 3 to 14.
@@ -72,7 +76,7 @@ struct RotationAveraging {
     /// frame, that of its node with the smallest index, whose rotation is the identity.
     std::vector<Eigen::Quaterniond> node_from_reference;
     std::vector<double> residual_deg;  ///< by edge: angle between measured and averaged rotation
-    std::vector<double> start_residual_deg;  ///< the same for the start, the maximum spanning tree
+    std::vector<double> start_residual_deg;  ///< the same for the start
     std::vector<std::uint32_t> component;    ///< by node; 0, 1, … ascending by smallest node
     std::uint32_t component_count = 0;
     std::uint32_t iterations = 0;  ///< linearisations done, the most over the components

@@ -188,14 +188,23 @@ std::optional<Reset::Reason> reason_to_reset(const Attempt& attempt, const Clust
     return std::nullopt;
 }
 
+std::size_t observation_count(const Reconstruction& model) {
+    std::size_t count = 0;
+    for (const ScenePoint& point : model.points) count += point.track.size();
+    return count;
+}
+
 /// Whether a new model is the better one. In place of a bad one: fewer of its edges contradict, and
-/// it is not much smaller. In place of a stuck one: it is larger, and hardly an edge contradicts.
+/// it does not explain much less; when the averaged rotations are wrong, what is built on them
+/// agrees with them and loses its structure. In place of a stuck one: it is larger, and hardly an
+/// edge contradicts.
 bool is_better(const Attempt& fresh, const Attempt& old, Reset::Reason reason,
                const SolveOptions& options) {
     const std::size_t size = fresh.model.images.size();
     if (reason == Reset::Reason::kContradiction) {
         return contradicting_part(fresh) < contradicting_part(old) &&
-               5 * size >= 4 * old.model.images.size();
+               5 * size >= 4 * old.model.images.size() &&
+               5 * observation_count(fresh.model) >= 4 * observation_count(old.model);
     }
     return size > old.model.images.size() &&
            contradicting_part(fresh) <= options.max_contradicting_edges;

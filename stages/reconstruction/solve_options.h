@@ -123,10 +123,11 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2};
     RefinementOptions settling{.images_for_principal_point = 5};
-    /// The spanning tree, refined by least squares that let far-off edges go. The paper's L1
-    /// optimum folds rings whose wrong edges agree with one another; this does not, and takes a
+    /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
+    /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
     /// tenth of the time (docs/look-alikes.md).
-    RotationAveragingOptions rotation_averaging{.max_iterations = 0, .refine_iterations = 20};
+    RotationAveragingOptions rotation_averaging{
+        .consensus_deg = 10.0, .max_iterations = 0, .refine_iterations = 20};
     FocalCalibrationOptions focal_calibration;
     VerifyOptions
         verification;  ///< of pairs whose focal lengths have become known since they were verified
