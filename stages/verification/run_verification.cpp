@@ -64,6 +64,15 @@ Attempt failed(Error error) {
     return attempt;
 }
 
+/// Whether the features of largest scale say already that the images show nothing in common.
+bool is_hopeless(const Descriptors& candidate, const PackedDescriptors& packed,
+                 const VerificationOptions& options) {
+    if (options.min_strongest_matches == 0) return false;
+    if (std::min(candidate.rows(), packed.rows) < 2 * options.strongest_rows) return false;
+    return count_matches_of_strongest(candidate, packed, options.strongest_rows, options.match) <
+           options.min_strongest_matches;
+}
+
 Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& packed,
                      ImageId candidate_id, const VerificationOptions& options) {
     const Result<ImageFeatures> loaded = input.load(candidate_id);
@@ -73,9 +82,7 @@ Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& pa
 
     Attempt attempt;
     Clock::time_point start = Clock::now();
-    if (options.min_strongest_matches > 0 &&
-        count_matches_of_strongest(*candidate.descriptors, packed, options.strongest_rows,
-                                   options.match) < options.min_strongest_matches) {
+    if (is_hopeless(*candidate.descriptors, packed, options)) {
         attempt.outcome = Outcome::kTooFewStrongest;
         attempt.match_ms = milliseconds_since(start);
         return attempt;

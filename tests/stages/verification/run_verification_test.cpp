@@ -142,13 +142,22 @@ TEST(RunVerification, ExchangedArrivalGivesTheInverseGeometryExactly) {
 
 TEST(RunVerification, CheapTestLeavesOutWhatHasNothingInCommon) {
     const std::vector<ImageFeatures> images = make_images();
+    VerificationOptions everything;
+    everything.min_strongest_matches = 0;
     VerificationOptions options;
-    options.min_strongest_matches = 8;
-    const Result<VerificationOutput> all = run_verification(last_against_all(images), {});
+    options.strongest_rows = 144;
+    options.min_strongest_matches = 6;
+    const Result<VerificationOutput> all = run_verification(last_against_all(images), everything);
     const Result<VerificationOutput> some = run_verification(last_against_all(images), options);
     ASSERT_TRUE(all.ok() && some.ok());
     expect_equal(*all, *some);
+    EXPECT_EQ(all->statistics.too_few_strongest, 0U);
     EXPECT_GT(some->statistics.too_few_strongest, 0U);
+    // Where the test would cost nearly as much as a match, there is none.
+    options.strongest_rows = 192;
+    const Result<VerificationOutput> small = run_verification(last_against_all(images), options);
+    ASSERT_TRUE(small.ok());
+    EXPECT_EQ(small->statistics.too_few_strongest, 0U);
 }
 
 TEST(RunVerification, NoCandidates) {
