@@ -31,33 +31,33 @@ void set(T& option, const std::optional<T>& given) {
     option = given.value_or(option);
 }
 
-/// @errors kInvalidArgument: the options of the scene
-Result<synthetic::LookAlikeScene> make_scene(const SimulateArguments& arguments) {
-    if (arguments.scene == "courtyard") {
-        synthetic::CourtyardOptions options;
-        set(options.images, arguments.images);
-        set(options.users, arguments.users);
-        set(options.repeated_part, arguments.repeated);
-        set(options.noise_px, arguments.noise);
-        if (const auto valid = validate(options); !valid) return valid.error();
-        return make_courtyard(options, arguments.seed);
-    }
-    if (arguments.scene == "streets") {
-        synthetic::StreetsOptions options;
-        set(options.images, arguments.images);
-        set(options.copied_facades, arguments.copied);
-        set(options.repeated_part, arguments.repeated);
-        set(options.noise_px, arguments.noise);
-        if (const auto valid = validate(options); !valid) return valid.error();
-        return make_streets(options, arguments.seed);
-    }
-    synthetic::TempleOptions options;
+/// A scene by its own options, as they are given, and by those that every scene has.
+/// @errors kInvalidArgument: the options
+template <typename Options>
+Result<synthetic::LookAlikeScene> make_valid(
+    Options options, const SimulateArguments& arguments,
+    synthetic::LookAlikeScene (*make)(const Options&, std::uint64_t seed)) {
     set(options.images, arguments.images);
-    set(options.symmetry, arguments.symmetry);
     set(options.repeated_part, arguments.repeated);
     set(options.noise_px, arguments.noise);
     if (const auto valid = validate(options); !valid) return valid.error();
-    return make_temple(options, arguments.seed);
+    return make(options, arguments.seed);
+}
+
+Result<synthetic::LookAlikeScene> make_scene(const SimulateArguments& arguments) {
+    if (arguments.scene == "courtyard") {
+        synthetic::CourtyardOptions options;
+        set(options.users, arguments.users);
+        return make_valid(options, arguments, &synthetic::make_courtyard);
+    }
+    if (arguments.scene == "streets") {
+        synthetic::StreetsOptions options;
+        set(options.copied_facades, arguments.copied);
+        return make_valid(options, arguments, &synthetic::make_streets);
+    }
+    synthetic::TempleOptions options;
+    set(options.symmetry, arguments.symmetry);
+    return make_valid(options, arguments, &synthetic::make_temple);
 }
 
 int run_simulate(const SimulateArguments& arguments) {
