@@ -7,6 +7,38 @@
 #include <map>
 
 namespace psfm {
+namespace {
+
+/// Images of a camera that a model must have for its intrinsics to be taken over elsewhere.
+/// Lowered: weak geometry's guesses spread. Ours.
+constexpr std::uint32_t kImagesToCalibrate = 10;
+
+/// Intrinsics of those cameras of a problem that none of its recycled models has, from the model
+/// that has most images of each.
+std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
+                                                const ClusterProblem& problem) {
+    std::map<CameraId, std::uint32_t> images_behind;
+    for (const auto& [id, camera] : problem.cameras) {
+        const bool known = std::ranges::any_of(
+            problem.recycled, [&](const auto& model) { return model->cameras.contains(id); });
+        if (!known) images_behind[id] = kImagesToCalibrate - 1;
+    }
+    std::map<CameraId, Camera> calibrated;
+    if (images_behind.empty()) return calibrated;
+    for (const auto& [cluster, entry] : state.clusters.entries()) {
+        if (!entry.model) continue;
+        std::map<CameraId, std::uint32_t> counts;
+        for (const RegisteredImage& image : entry.model->images) ++counts[image.camera];
+        for (auto& [id, most] : images_behind) {
+            if (counts[id] <= most) continue;
+            most = counts[id];
+            calibrated[id] = entry.model->cameras.at(id);
+        }
+    }
+    return calibrated;
+}
+
+}  // namespace
 
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
@@ -33,6 +65,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
                 problem->pairs.push_back(edge.pair);
         }
     }
+    if (!config.fix_intrinsics) problem->calibrated = calibrated_elsewhere(state, *problem);
     return problem;
 }
 

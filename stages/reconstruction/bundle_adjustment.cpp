@@ -41,10 +41,14 @@ Selection select_residuals(const WorkingModel& model, const AdjustmentScope& sco
     selection.point_is_free.assign(model.points().size(), false);
     selection.image_is_free.assign(model.image_count(), false);
     for (const std::uint32_t image : scope.free_images) selection.image_is_free[image] = true;
+    std::vector<bool> takes_part(model.points().size(), !scope.points);
+    if (scope.points) {
+        for (const std::uint32_t point : *scope.points) takes_part[point] = true;
+    }
     const auto visit_points = [&](std::uint32_t image, auto&& visit) {
         for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
             const std::uint32_t point = model.point_of({image, feature});
-            if (point != WorkingModel::kNoPoint)
+            if (point != WorkingModel::kNoPoint && takes_part[point])
                 visit(WorkingModel::Feature{image, feature}, point);
         }
     };
@@ -143,12 +147,6 @@ int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& ga
     return coordinate;
 }
 
-/// Standard deviation of an observation, relative to that of the smallest features: a blob's centre
-/// is found to a fraction of its size.
-double sigma_of(const Keypoint& keypoint, const AdjustmentOptions& options) {
-    return std::max(1.0, options.sigma_per_scale * keypoint.scale);
-}
-
 void write_back(const Parameters& parameters, const Selection& selection,
                 const AdjustmentScope& scope, WorkingModel& model) {
     for (const std::uint32_t image : scope.free_images) {
@@ -185,6 +183,10 @@ Result<void> validate(const AdjustmentOptions& options) {
     return {};
 }
 
+double observation_sigma(const Keypoint& keypoint, const AdjustmentOptions& options) {
+    return std::max(1.0, options.sigma_per_scale * keypoint.scale);
+}
+
 Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
                                 const AdjustmentOptions& options) {
     const Selection selection = select_residuals(model, scope);
@@ -207,7 +209,7 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     for (const Residual& residual : selection.residuals) {
         const std::uint32_t image = residual.feature.image;
         costs.emplace_back(model.camera(image).model, model.pixel(residual.feature),
-                           sigma_of(model.keypoint(residual.feature), options));
+                           observation_sigma(model.keypoint(residual.feature), options));
         problem.AddResidualBlock(
             &costs.back(), &loss, &parameters.values[parameters.pose_at[image]],
             &parameters.values[parameters.point_at[residual.point]],

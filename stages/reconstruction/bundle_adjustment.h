@@ -35,6 +35,10 @@ struct AdjustmentOptions {
 
 Result<void> validate(const AdjustmentOptions& options);
 
+/// Standard deviation of an observation, relative to that of the smallest features: a blob's centre
+/// is found to a fraction of its size.
+double observation_sigma(const Keypoint& keypoint, const AdjustmentOptions& options);
+
 /// What may move. Poses of other images that see the points stay as they are.
 struct AdjustmentScope {
     std::vector<std::uint32_t> free_images;  ///< ascending local indices
@@ -43,6 +47,8 @@ struct AdjustmentScope {
         free_principal_points;  ///< ascending, of free_cameras: the principal point as well
     /// Points seen by these images move; all other points that free images see stay fixed.
     std::vector<std::uint32_t> point_images;
+    /// Only these points take part at all, ascending; none given: all.
+    std::optional<std::vector<std::uint32_t>> points;
     /// Fixes the gauge where no fixed image does: `origin` does not move at all, and `farthest`
     /// keeps the coordinate of its translation that tells its distance from the origin best, and so
     /// the scale.

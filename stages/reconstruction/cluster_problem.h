@@ -48,6 +48,8 @@ struct ClusterProblem {
     std::uint32_t topology = 0;        ///< the cluster's topology count that this problem describes
     std::vector<ClusterImage> images;  ///< members, ascending by id
     std::map<CameraId, Camera> cameras;  ///< as accepted; every camera of `images`
+    /// Some of them as other clusters have estimated them: better to start from than EXIF.
+    std::map<CameraId, Camera> calibrated;
     std::vector<VerifiedPairPtr> pairs;  ///< edges with both ends in the cluster, ascending
     /// Models to start from, most images first; images that are no members are left out. None:
     /// solve new; one: extend it; several: join them, and extend the result (transfer).

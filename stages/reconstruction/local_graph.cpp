@@ -31,6 +31,9 @@ Camera with_focal(Camera verified, const Camera& believed) {
 Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem,
                                                     const SolveOptions& options) {
     std::map<CameraId, Camera> cameras = problem.cameras;
+    for (const auto& [id, camera] : problem.calibrated) {
+        if (cameras.contains(id)) cameras[id] = camera;
+    }
     // The largest model comes first and has the last word.
     for (const auto& model : std::views::reverse(problem.recycled)) {
         for (const auto& [id, camera] : model->cameras) {

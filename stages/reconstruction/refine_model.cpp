@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "stages/reconstruction/thin_points.h"
 #include "stages/reconstruction/tracks.h"
 
 namespace psfm {
@@ -73,9 +74,13 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
             scope.free_principal_points =
                 cameras_with_images(model, refinement.images_for_principal_point);
         }
+        const bool thin = refinement.points_per_image > 0 &&
+                          model.registered_count() >= refinement.thin_from_images;
+        if (thin) scope.points = covering_points(model, refinement.points_per_image);
         const auto report = adjust(model, scope, refinement.adjustment);
         if (!report.ok()) return report.error();
         ++adjustments;
+        if (thin) refine_points(model, *scope.points, refinement.adjustment);
         changed += filter_tracks(model, {}, options.tracks);
         remove_weak_images(model, options);
         if (static_cast<double>(changed) <

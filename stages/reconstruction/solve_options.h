@@ -42,6 +42,12 @@ struct RefinementOptions {
     /// weak geometry moves it. COLMAP 3.8 never adjusts it by default; ours: on Strecha's scenes
     /// with unknown intrinsics it divides the error by two to three (docs/accuracy.md).
     std::uint32_t images_for_principal_point = 0;
+    /// Points that are adjusted together with the cameras, about so many seen by each image; the
+    /// others follow the cameras by themselves. 0: all. Lowered: faster, less accurate. Ours, for
+    /// models that grow (docs/accuracy.md).
+    std::uint32_t points_per_image = 0;
+    /// Images from which points are thinned so. Ours: small models are adjusted soon enough.
+    std::uint32_t thin_from_images = 50;
 };
 
 /// Starting a model with all images at once.
@@ -121,7 +127,8 @@ struct SolveOptions {
         .loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5};
     RefinementOptions growth{
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
-        .max_rounds = 2};
+        .max_rounds = 2,
+        .points_per_image = 400};
     RefinementOptions settling{.images_for_principal_point = 5};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
     /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/thin_points.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+
+#include "stages/reconstruction/reprojection_cost.h"
+
+namespace psfm {
+namespace {
+
+using Feature = WorkingModel::Feature;
+using PoseBlock = std::array<double, kPoseSize>;
+
+/// Cost of a position, and its normal equations.
+struct PointSystem {
+    double cost = 0.0;
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+};
+
+class PointRefiner {
+  public:
+    PointRefiner(const WorkingModel& model, const AdjustmentOptions& options)
+        : model_(model), options_(options), poses_(model.image_count()) {
+        for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+            if (model.registered(image)) write_pose(model.pose(image), poses_[image].data());
+        }
+    }
+
+    Eigen::Vector3d refine(std::span<const Feature> track, const Eigen::Vector3d& start) const {
+        constexpr int kSteps = 5;
+        Eigen::Vector3d position = start;
+        PointSystem system = linearize(track, position);
+        for (int step = 0; step < kSteps; ++step) {
+            const Eigen::LDLT<Eigen::Matrix3d> factors(system.normal);
+            if (factors.info() != Eigen::Success || !factors.isPositive()) break;
+            const Eigen::Vector3d moved = position - factors.solve(system.gradient);
+            if (!moved.allFinite()) break;
+            const PointSystem next = linearize(track, moved);
+            if (!(next.cost < system.cost)) break;
+            const bool converged =
+                system.cost - next.cost < options_.function_tolerance * system.cost;
+            position = moved;
+            system = next;
+            if (converged) break;
+        }
+        return position;
+    }
+
+  private:
+    PointSystem linearize(std::span<const Feature> track, const Eigen::Vector3d& position) const {
+        PointSystem system;
+        const double scale = options_.loss_scale_px * options_.loss_scale_px;
+        for (const Feature& feature : track) {
+            const Camera& camera = model_.camera(feature.image);
+            const ReprojectionCost cost(camera.model, model_.pixel(feature),
+                                        observation_sigma(model_.keypoint(feature), options_));
+            const std::array<const double*, 3> parameters{poses_[feature.image].data(),
+                                                          position.data(), camera.params.data()};
+            Eigen::Vector2d residual;
+            Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
+            std::array<double*, 3> jacobians{nullptr, by_point.data(), nullptr};
+            if (!cost.Evaluate(parameters.data(), residual.data(), jacobians.data())) {
+                system.cost = std::numeric_limits<double>::infinity();
+                return system;
+            }
+            // Soft L1, as Ceres has it: rho(s) = 2 scale (sqrt(1 + s / scale) - 1).
+            const double root = std::sqrt(1.0 + residual.squaredNorm() / scale);
+            system.cost += scale * (root - 1.0);
+            system.normal += by_point.transpose() * by_point / root;
+            system.gradient += by_point.transpose() * residual / root;
+        }
+        return system;
+    }
+
+    const WorkingModel& model_;
+    const AdjustmentOptions& options_;
+    std::vector<PoseBlock> poses_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> covering_points(const WorkingModel& model,
+                                           std::uint32_t points_per_image) {
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
+        if (model.points()[point].alive()) order.push_back(point);
+    }
+    std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t point) {
+        return model.points()[point].track.size();
+    });
+    std::vector<std::uint32_t> observed(model.image_count(), 0);
+    std::vector<std::uint32_t> chosen;
+    for (const std::uint32_t point : order) {
+        const std::vector<Feature>& track = model.points()[point].track;
+        const auto short_of = std::ranges::count_if(
+            track, [&](const Feature& f) { return observed[f.image] < points_per_image; });
+        if (short_of < 2) continue;
+        chosen.push_back(point);
+        for (const Feature& feature : track) ++observed[feature.image];
+    }
+    std::ranges::sort(chosen);
+    return chosen;
+}
+
+void refine_points(WorkingModel& model, const std::vector<std::uint32_t>& except,
+                   const AdjustmentOptions& options) {
+    const PointRefiner refiner(model, options);
+    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
+        const WorkingModel::Point& moved = model.points()[point];
+        if (!moved.alive() || std::ranges::binary_search(except, point)) continue;
+        model.set_position(point, refiner.refine(moved.track, moved.position));
+    }
+}
+
+}  // namespace psfm

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/make_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace psfm {
+namespace {
+
+constexpr double kExifFocal = 1000.0;
+constexpr double kTrueFocal = 740.0;
+
+Camera with_focal(double focal_px) {
+    return make_camera(1024, 768, focal_px, FocalSource::kExif);
+}
+
+/// Images first … last-1 of camera 0, all placed with the given focal length, or none of them.
+ClusterEntry cluster_of(std::uint32_t id, std::uint32_t first, std::uint32_t last,
+                        std::optional<double> solved_focal) {
+    ClusterEntry entry;
+    entry.id = ClusterId{id};
+    entry.topology = 1;
+    Reconstruction model;
+    for (std::uint32_t i = first; i < last; ++i) {
+        entry.members.push_back(ImageId{i});
+        model.images.push_back({ImageId{i}, CameraId{0}, {}});
+    }
+    if (solved_focal) {
+        model.cameras[CameraId{0}] = with_focal(*solved_focal);
+        entry.solved_topology = 1;
+        entry.model = std::make_shared<const Reconstruction>(std::move(model));
+        entry.material = {{entry.id, 1, entry.model}};
+    }
+    return entry;
+}
+
+SessionState state_of(const std::vector<ClusterEntry>& clusters) {
+    SessionState state(5);
+    std::uint32_t images = 0;
+    for (const ClusterEntry& entry : clusters) {
+        images += static_cast<std::uint32_t>(entry.members.size());
+        state.clusters.restore(entry);
+    }
+    for (std::uint32_t i = 0; i < images; ++i) {
+        Image image;
+        image.id = ImageId{i};
+        image.camera = CameraId{0};
+        state.images.push_back(image);
+        state.keypoints.push_back(std::make_shared<const Keypoints>());
+        state.view_graph.add_node();
+    }
+    state.cameras[CameraId{0}] = with_focal(kExifFocal);
+    return state;
+}
+
+std::shared_ptr<const ClusterProblem> problem_of(const SessionState& state, std::uint32_t cluster,
+                                                 bool fix_intrinsics = false) {
+    SessionConfig config;
+    config.fix_intrinsics = fix_intrinsics;
+    return make_cluster_problem(state, config, state.clusters.entries().at(ClusterId{cluster}),
+                                false);
+}
+
+TEST(MakeClusterProblem, StartsFromWhatTheLargestModelKnowsOfACamera) {
+    const SessionState state =
+        state_of({cluster_of(0, 0, 12, 700.0), cluster_of(1, 12, 32, kTrueFocal),
+                  cluster_of(2, 32, 37, std::nullopt)});
+    const auto problem = problem_of(state, 2);
+    EXPECT_EQ(problem->cameras.at(CameraId{0}).fx(), kExifFocal) << "as accepted";
+    ASSERT_TRUE(problem->calibrated.contains(CameraId{0}));
+    EXPECT_EQ(problem->calibrated.at(CameraId{0}).fx(), kTrueFocal);
+}
+
+TEST(MakeClusterProblem, KeepsWhatItsOwnModelKnows) {
+    const SessionState state =
+        state_of({cluster_of(0, 0, 30, kTrueFocal), cluster_of(1, 30, 36, 760.0)});
+    EXPECT_TRUE(problem_of(state, 1)->calibrated.empty());
+}
+
+TEST(MakeClusterProblem, DoesNotTrustSmallModelsOrTouchGivenIntrinsics) {
+    const SessionState small =
+        state_of({cluster_of(0, 0, 9, kTrueFocal), cluster_of(1, 9, 14, std::nullopt)});
+    EXPECT_TRUE(problem_of(small, 1)->calibrated.empty());
+    const SessionState large =
+        state_of({cluster_of(0, 0, 30, kTrueFocal), cluster_of(1, 30, 35, std::nullopt)});
+    EXPECT_TRUE(problem_of(large, 1, true)->calibrated.empty());
+}
+
+}  // namespace
+}  // namespace psfm
