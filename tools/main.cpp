@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <glog/logging.h>
+#include <malloc.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -54,10 +55,21 @@ void quieten_libraries() {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 }
 
+/// Blocks of models and images go back to the system when they are freed. glibc raises its
+/// threshold with every large block, and then keeps them in pieces: a session of 140 photographs
+/// grew to 1046 instead of 945 MB, in the same time.
+void return_large_blocks() {
+    constexpr int kLargeBytes = 128 << 10;
+    constexpr int kTopBytes = 8 << 20;
+    mallopt(M_MMAP_THRESHOLD, kLargeBytes);
+    mallopt(M_TRIM_THRESHOLD, kTopBytes);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
+        return_large_blocks();
         quieten_libraries();
         return run(argc, argv);
     } catch (const std::exception& exception) {

@@ -47,7 +47,7 @@ struct RefinementOptions {
     /// models that grow (docs/accuracy.md).
     std::uint32_t points_per_image = 0;
     /// Images from which points are thinned so. Ours: small models are adjusted soon enough.
-    std::uint32_t thin_from_images = 50;
+    std::uint32_t thin_from_images = 20;
 };
 
 /// Starting a model with all images at once.

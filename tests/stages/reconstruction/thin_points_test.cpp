@@ -61,7 +61,8 @@ TEST(CoveringPoints, ServesEveryImageWithFewPoints) {
     const auto few = covering_points(*ring.model, kWanted);
     EXPECT_TRUE(std::ranges::is_sorted(few));
     EXPECT_LT(4 * few.size(), ring.model->alive_points());
-    for (const std::uint32_t count : observations(*ring.model, few)) EXPECT_GE(count, kWanted * 9 / 10);
+    for (const std::uint32_t count : observations(*ring.model, few))
+        EXPECT_GE(count, kWanted * 9 / 10);
     EXPECT_EQ(covering_points(*ring.model, 1'000'000).size(), ring.model->alive_points());
     EXPECT_TRUE(covering_points(*ring.model, 0).empty());
 }
