@@ -183,7 +183,7 @@ std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
 }
 
 const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
-                                         const ClusterSolution& solution) {
+                                         const ClusterSolution& solution, bool solved) {
     const auto found = entries_.find(problem.cluster);
     if (found == entries_.end()) {
         ++coalesced_;
@@ -191,7 +191,8 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
     }
     ClusterEntry& entry = found->second;
     const bool current = entry.topology == solution.topology;
-    const bool usable = has_model(solution.model) && solution.topology >= entry.transfer_topology;
+    const bool usable =
+        solved && has_model(solution.model) && solution.topology >= entry.transfer_topology;
     if (usable) {
         entry.material = {{entry.id, entry.revision + (current ? 1 : 0), solution.model}};
         entry.material_state = solution.state;

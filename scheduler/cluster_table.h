@@ -88,7 +88,10 @@ class ClusterTable {
 
     /// Takes over a result. @return the entry when the result became its published model; null when
     /// the cluster has changed or gone meanwhile (counted as coalesced)
-    const ClusterEntry* finish(const ClusterProblem& problem, const ClusterSolution& solution);
+    /// @param solved  false: the solve failed, and `solution` is what stands in for it; the next
+    /// one starts from the same material
+    const ClusterEntry* finish(const ClusterProblem& problem, const ClusterSolution& solution,
+                               bool solved = true);
 
     bool busy() const;  ///< something is dirty or being solved
     const std::map<ClusterId, ClusterEntry>& entries() const { return entries_; }

@@ -242,7 +242,8 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
         ++state_.counts.resets;
         tell(describe_reset(*message.problem, solution, state_.images));
     }
-    const ClusterEntry* entry = state_.clusters.finish(*message.problem, solution);
+    const ClusterEntry* entry =
+        state_.clusters.finish(*message.problem, solution, message.solution->ok());
     events_.push_back(
         describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;

@@ -62,6 +62,7 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     event.kind = SessionEvent::Kind::kReset;
     event.clusters = {index_of(problem.cluster)};
     std::vector<std::string> reset_images;
+    reset_images.reserve(reset.images.size());
     for (const ImageId image : reset.images) reset_images.push_back(images[index_of(image)].name);
     const std::string cluster = "cluster " + std::to_string(index_of(problem.cluster));
     event.text = reset_images.empty() ? cluster + " was reset: "

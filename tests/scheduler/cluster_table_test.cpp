@@ -193,6 +193,27 @@ TEST(ClusterTable, PartsOfSeveralEditsComeTogether) {
               (Models{images({6, 7, 8}), images({0, 1, 2}), images({3, 4, 5})}));
 }
 
+TEST(ClusterTable, AFailedSolveLeavesAllMaterialForTheNext) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {3, 4, 5}));
+    solve_dirty(table);
+    ClusteringEdit join = members(0, {0, 1, 2, 3, 4, 5});
+    join.removed = {cluster(1)};
+    join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
+    table.apply(join);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    const Solve stand_in = solve_of(*dirty.front(), images({0, 1, 2}));
+    const ClusterEntry* entry = table.finish(stand_in.problem, stand_in.solution, false);
+    ASSERT_NE(entry, nullptr);
+    EXPECT_EQ(entry->model, stand_in.solution.model);
+    EXPECT_EQ(material_of(*entry), (Models{images({0, 1, 2}), images({3, 4, 5})}));
+    table.apply(members(0, {0, 1, 2, 3, 4, 5, 6}));
+    EXPECT_EQ(material_of(*table.take_dirty().front()),
+              (Models{images({0, 1, 2}), images({3, 4, 5})}));
+}
+
 TEST(ClusterTable, ALostEdgeMakesACleanClusterDirty) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));

@@ -28,7 +28,7 @@ with COLMAP fed the same matches in the same order.
 | outliers | cameras whose centre is off by more than half the smallest distance between two cameras of the reference, summed over effective clusters (models) of at least five cameras, each aligned by itself |
 | effective clusters | clusters that the pose graph joins into one frame count as one; COLMAP: models |
 | clusters | clusters with a model |
-| recoveries | resets: a cluster's model contradicted its averaged rotations and was made anew |
+| recoveries | resets: a model that was bad or stuck, or a few images of one, made anew |
 | mean error, relative error | position error of the largest, in the reference's units; RMS error by the diagonal of the reference's bounding box |
 | solving | psfm: all cluster solves and merges, added up; COLMAP: the mapper, all steps added up |
 | whole | psfm from start to end; with extraction and matching where it began with photographs, and with all that is stored. A dash: the run was interrupted |
