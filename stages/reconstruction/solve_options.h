@@ -43,10 +43,11 @@ struct RefinementOptions {
     /// with unknown intrinsics it divides the error by two to three (docs/accuracy.md).
     std::uint32_t images_for_principal_point = 0;
     /// Points that are adjusted together with the cameras, about so many seen by each image; the
-    /// others follow the cameras by themselves. 0: all. Lowered: faster, less accurate. Ours, for
-    /// models that grow (docs/accuracy.md).
+    /// others follow the cameras by themselves. 0: all. Lowered: faster, less memory, less
+    /// accurate. Ours (docs/accuracy.md).
     std::uint32_t points_per_image = 0;
-    /// Images from which points are thinned so. Ours: small models are adjusted soon enough.
+    /// Images from which points are thinned so. Ours: small models are adjusted soon enough, and
+    /// settled models of common size keep all they have.
     std::uint32_t thin_from_images = 20;
 };
 
@@ -129,7 +130,8 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
-    RefinementOptions settling{.images_for_principal_point = 5};
+    RefinementOptions settling{
+        .images_for_principal_point = 5, .points_per_image = 2500, .thin_from_images = 200};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
     /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
     /// tenth of the time (docs/look-alikes.md).
