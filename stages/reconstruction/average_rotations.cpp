@@ -7,7 +7,6 @@
 #include <numbers>
 #include <numeric>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "graph/rigid3.h"
@@ -39,20 +38,25 @@ Result<void> check_edges(std::span<const RelativeRotation> edges, std::uint32_t 
     return {};
 }
 
+std::vector<WeightedEdge> weights_of(std::span<const RelativeRotation> edges) {
+    std::vector<WeightedEdge> weighted;
+    weighted.reserve(edges.size());
+    for (const RelativeRotation& edge : edges) weighted.push_back({edge.i, edge.j, edge.weight});
+    return weighted;
+}
+
 /// The forest and each node's strongest edges; all edges when `count` is 0. Ascending.
-std::vector<std::uint32_t> pulling_edges(std::span<const RelativeRotation> edges,
-                                         std::uint32_t node_count, std::uint32_t count,
-                                         const std::vector<std::uint32_t>& forest) {
-    std::vector<std::uint32_t> order(edges.size());
-    std::iota(order.begin(), order.end(), 0U);
-    if (count == 0) return order;
-    std::ranges::sort(order, {}, [&](std::uint32_t e) {
-        const auto [low, high] = std::minmax(edges[e].i, edges[e].j);
-        return std::tuple(-edges[e].weight, low, high, e);
-    });
-    std::vector<std::uint32_t> chosen = forest;
+std::vector<std::uint32_t> pulling_edges(std::span<const WeightedEdge> edges,
+                                         std::uint32_t node_count, std::uint32_t count) {
+    std::vector<std::uint32_t> chosen;
+    if (count == 0) {
+        chosen.resize(edges.size());
+        std::iota(chosen.begin(), chosen.end(), 0U);
+        return chosen;
+    }
+    chosen = maximum_spanning_forest(edges, node_count);
     std::vector<std::uint32_t> taken(node_count, 0);
-    for (const std::uint32_t e : order) {
+    for (const std::uint32_t e : heaviest_first(edges)) {
         const bool first = taken[edges[e].i]++ < count;
         const bool second = taken[edges[e].j]++ < count;
         if (first || second) chosen.push_back(e);
@@ -103,14 +107,12 @@ Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> ed
     if (auto valid = validate(options); !valid) return valid.error();
     if (auto valid = check_edges(edges, node_count); !valid) return valid.error();
 
-    std::vector<WeightedEdge> weighted;
-    weighted.reserve(edges.size());
-    for (const RelativeRotation& edge : edges) weighted.push_back({edge.i, edge.j, edge.weight});
-    const std::vector<std::uint32_t> forest = maximum_spanning_forest(weighted, node_count);
-
-    StartRotations start = options.consensus_deg > 0.0
-                               ? rotations_by_consensus(edges, node_count, options.consensus_deg)
-                               : rotations_of_forest(edges, forest, node_count);
+    const std::vector<WeightedEdge> weighted = weights_of(edges);
+    StartRotations start =
+        options.consensus_deg > 0.0
+            ? rotations_by_consensus(edges, heaviest_first(weighted), node_count,
+                                     options.consensus_deg)
+            : rotations_of_forest(edges, maximum_spanning_forest(weighted, node_count), node_count);
 
     RotationAveraging result;
     result.node_from_reference = std::move(start.node_from_reference);
@@ -127,7 +129,7 @@ Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> ed
         problem.node_from_reference.push_back(result.node_from_reference[node]);
     }
     for (const std::uint32_t e :
-         pulling_edges(edges, node_count, options.strongest_edges_per_node, forest)) {
+         pulling_edges(weighted, node_count, options.strongest_edges_per_node)) {
         const RelativeRotation& edge = edges[e];
         problems[result.component[edge.i]].edges.push_back(
             {local[edge.i], local[edge.j], edge.j_from_i.normalized(),

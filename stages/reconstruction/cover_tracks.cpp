@@ -76,17 +76,20 @@ std::vector<FeatureTrack> consistent_tracks(std::span<const MatchedImages> pairs
     return tracks;
 }
 
-std::vector<FeatureTrack> cover_tracks(std::vector<FeatureTrack> tracks, std::size_t image_count,
-                                       std::uint32_t tracks_per_image) {
-    std::ranges::stable_sort(tracks, std::greater{}, &FeatureTrack::size);
+std::vector<std::uint32_t> cover_tracks(std::span<const std::span<const Feature>> tracks,
+                                        std::size_t image_count, std::uint32_t tracks_per_image) {
+    std::vector<std::uint32_t> order(tracks.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::stable_sort(order, std::greater{},
+                             [&](std::uint32_t track) { return tracks[track].size(); });
     std::vector<std::uint32_t> served(image_count, 0);
-    std::vector<FeatureTrack> chosen;
-    for (FeatureTrack& track : tracks) {
+    std::vector<std::uint32_t> chosen;
+    for (const std::uint32_t track : order) {
         const auto short_of = std::ranges::count_if(
-            track, [&](const Feature& f) { return served[f.image] < tracks_per_image; });
+            tracks[track], [&](const Feature& f) { return served[f.image] < tracks_per_image; });
         if (short_of < 2) continue;
-        for (const Feature& feature : track) ++served[feature.image];
-        chosen.push_back(std::move(track));
+        for (const Feature& feature : tracks[track]) ++served[feature.image];
+        chosen.push_back(track);
     }
     return chosen;
 }

@@ -31,10 +31,14 @@ std::vector<FeatureTrack> consistent_tracks(std::span<const MatchedImages> pairs
                                             std::span<const std::uint32_t> feature_counts,
                                             std::size_t min_images);
 
-/// Few tracks that see much: the longest first, those that give at least two images one of the
-/// tracks they are short of (Wilson & Snavely 2014, sec. 4.3, cover images in such a way).
+/// Few tracks that hold all images together: the longest first, those that give at least two images
+/// one of the tracks they are short of (Wilson & Snavely 2014, sec. 4.3, cover images in such a
+/// way).
+/// @param tracks  at most one feature an image
 /// @param tracks_per_image  an image with so many is served
-std::vector<FeatureTrack> cover_tracks(std::vector<FeatureTrack> tracks, std::size_t image_count,
-                                       std::uint32_t tracks_per_image);
+/// @return indices of tracks, longest tracks first
+std::vector<std::uint32_t> cover_tracks(
+    std::span<const std::span<const CorrespondenceGraph::Feature>> tracks, std::size_t image_count,
+    std::uint32_t tracks_per_image);
 
 }  // namespace psfm

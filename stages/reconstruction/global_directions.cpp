@@ -76,8 +76,12 @@ std::vector<FeatureTrack> covering_tracks(const WorkingModel& model,
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         feature_counts.push_back(model.matches().feature_count(image));
     }
-    return cover_tracks(consistent_tracks(matched, feature_counts, kMinImages), model.image_count(),
-                        tracks_per_image);
+    std::vector<FeatureTrack> tracks = consistent_tracks(matched, feature_counts, kMinImages);
+    const std::vector<std::span<const Feature>> views(tracks.begin(), tracks.end());
+    std::vector<FeatureTrack> chosen;
+    for (const std::uint32_t track : cover_tracks(views, model.image_count(), tracks_per_image))
+        chosen.push_back(std::move(tracks[track]));
+    return chosen;
 }
 
 GlobalDirections find_directions(const WorkingModel& model, std::span<const VerifiedPairPtr> pairs,

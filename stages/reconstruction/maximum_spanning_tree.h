@@ -15,10 +15,14 @@ struct WeightedEdge {
     double weight = 0.0;
 };
 
-/// Maximum spanning forest by Kruskal's method: one tree for every connected component.
-/// Equal weights are taken in ascending order of the edge's nodes, then of its index, so that the
-/// forest does not depend on the order in which distinct edges are listed. REQUIRES: i, j <
-/// node_count. Loops (i == j) are never in the forest.
+/// Indices of the edges, of greatest weight first; equal weights in ascending order of the edge's
+/// nodes, then of its index: the order in which distinct edges are listed makes no difference.
+/// Thread-safe.
+std::vector<std::uint32_t> heaviest_first(std::span<const WeightedEdge> edges);
+
+/// Maximum spanning forest by Kruskal's method, edges in the order of heaviest_first(): one tree
+/// for every connected component. REQUIRES: i, j < node_count. Loops (i == j) are never in the
+/// forest.
 /// @return indices into edges, ascending. Thread-safe.
 std::vector<std::uint32_t> maximum_spanning_forest(std::span<const WeightedEdge> edges,
                                                    std::uint32_t node_count);

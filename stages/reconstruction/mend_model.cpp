@@ -7,14 +7,6 @@
 
 namespace psfm {
 
-bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
-                          const SolveState& state, const SolveOptions& options) {
-    if (contradiction.angle_deg <= options.max_contradiction_deg) return false;
-    const bool worse = contradiction.angle_deg > 1.5 * state.tolerated_contradiction_deg;
-    const bool larger = 4 * images > 5 * std::size_t{state.images_at_contradiction};
-    return worse || larger;
-}
-
 Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
                         const SolveOptions& options, const std::atomic<bool>* cancel,
                         SolveState& state, SolveStatistics& statistics) {

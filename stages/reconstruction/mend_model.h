@@ -11,13 +11,6 @@
 
 namespace psfm {
 
-/// Whether a model that was recycled contradicts the averaged rotations, and something is to be
-/// done about it (paper sec. "Detection of Bad Configurations"). One that has been looked at before
-/// has to have become worse, or larger by a quarter (ours): else an ambiguous cluster would be
-/// solved new with every image.
-bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
-                          const SolveState& state, const SolveOptions& options);
-
 /// Resets the images that a contradiction comes down to, when they are few: takes them out and adds
 /// them again, now that more of the scene is known than when they were placed (ours; the paper
 /// resets whole clusters, which stays for everything else). Sets statistics.reset, and

@@ -10,6 +10,7 @@
 #include "stages/reconstruction/contradiction.h"
 #include "stages/reconstruction/grow_model.h"
 #include "stages/reconstruction/initialize_model.h"
+#include "stages/reconstruction/judge_model.h"
 #include "stages/reconstruction/local_graph.h"
 #include "stages/reconstruction/mend_model.h"
 #include "stages/reconstruction/recycle_models.h"
@@ -47,30 +48,22 @@ void use_cameras(WorkingModel& model, const LocalGraph& graph) {
     for (const auto& [id, camera] : graph.cameras) model.mutable_camera(id) = camera;
 }
 
-/// A finished model.
-struct Attempt {
-    Reconstruction model;
-    SolveState state;
-    SolveStatistics statistics;
-    Contradiction contradiction;
-};
-
 /// Takes a model over that nothing will change any more.
-void finish(Attempt& attempt, const WorkingModel& model, const LocalGraph& graph,
+void finish(SolveAttempt& attempt, const WorkingModel& model, const LocalGraph& graph,
             const SolveOptions& options) {
     attempt.model = model.save();
     attempt.contradiction = find_contradiction(model, graph, options.max_contradiction_deg);
 }
 
 /// All images at once (paper sec. "Cluster Reconstruction", New, above mu_max), the rest added.
-Result<Attempt> solve_globally(const ClusterProblem& problem, const LocalGraph& graph,
-                               const CorrespondenceGraph& matches, const SolveOptions& options,
-                               const std::atomic<bool>* cancel) {
+Result<SolveAttempt> solve_globally(const ClusterProblem& problem, const LocalGraph& graph,
+                                    const CorrespondenceGraph& matches, const SolveOptions& options,
+                                    const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
     use_cameras(model, graph);
     const auto start = initialize_globally(model, problem, graph, options, cancel);
     if (!start.ok()) return start.error();
-    Attempt attempt;
+    SolveAttempt attempt;
     attempt.statistics.is_global = true;
     attempt.statistics.registered = start->placed;
     attempt.statistics.full_adjustments = start->full_adjustments;
@@ -87,23 +80,23 @@ Result<Attempt> solve_globally(const ClusterProblem& problem, const LocalGraph& 
 }
 
 /// Starts from the best pair; from another one when most images stayed out. Keeps the larger model.
-Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph,
-                          const CorrespondenceGraph& matches, const SolveOptions& options,
-                          const std::atomic<bool>* cancel) {
+Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph,
+                               const CorrespondenceGraph& matches, const SolveOptions& options,
+                               const std::atomic<bool>* cancel) {
     if (problem.images.size() > options.mu_max) {
         auto attempt = solve_globally(problem, graph, matches, options, cancel);
         // What could not be started globally may still be grown.
         if (attempt.ok() || attempt.error().code == ErrorCode::kCancelled) return attempt;
     }
     constexpr int kStarts = 3;
-    Attempt best;
+    SolveAttempt best;
     std::vector<bool> used(problem.images.size(), false);
     for (int start = 0; start < kStarts; ++start) {
         WorkingModel model(problem, matches);
         use_cameras(model, graph);
         const auto seed = initialize_model(model, graph, used, options);
         if (!seed.ok()) break;
-        Attempt attempt;
+        SolveAttempt attempt;
         attempt.state.images_at_full_adjustment = model.registered_count();
         attempt.statistics.registered = model.registered_count();
         const auto grown =
@@ -129,12 +122,12 @@ Result<Attempt> solve_new(const ClusterProblem& problem, const LocalGraph& graph
 }
 
 /// Joins what is recycled, adds the other images, places anew the few that contradict, and adjusts.
-Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& graph,
-                               const CorrespondenceGraph& matches, const SolveOptions& options,
-                               const std::atomic<bool>* cancel) {
+Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& graph,
+                                    const CorrespondenceGraph& matches, const SolveOptions& options,
+                                    const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
     use_cameras(model, graph);
-    Attempt attempt;
+    SolveAttempt attempt;
     attempt.state = problem.recycled_state;
     const Recycling recycling = load_recycled(model, problem, graph, options);
     attempt.statistics.joined_models = recycling.joined;
@@ -168,53 +161,11 @@ Result<Attempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& 
     return attempt;
 }
 
-/// Part of the edges that contradict.
-double contradicting_part(const Attempt& attempt) {
-    return static_cast<double>(attempt.contradiction.beyond) /
-           std::max(1U, attempt.contradiction.edges);
-}
-
-/// Whether a recycled model is to be compared with a new one, and why.
-std::optional<Reset::Reason> reason_to_reset(const Attempt& attempt, const ClusterProblem& problem,
-                                             const SolveOptions& options) {
-    const std::size_t placed = attempt.model.images.size();
-    if (is_bad_configuration(attempt.contradiction, placed, attempt.state, options))
-        return Reset::Reason::kContradiction;
-    // What was started with few images may stand where the others cannot be reached from (ours).
-    const std::size_t members = problem.images.size();
-    const std::size_t at_start = attempt.state.images_at_start;
-    const bool larger = problem.settle ? members > at_start : 4 * members > 5 * at_start;
-    if (4 * placed < 3 * members && larger) return Reset::Reason::kStuck;
-    return std::nullopt;
-}
-
-std::size_t observation_count(const Reconstruction& model) {
-    std::size_t count = 0;
-    for (const ScenePoint& point : model.points) count += point.track.size();
-    return count;
-}
-
-/// Whether a new model is the better one. In place of a bad one: fewer of its edges contradict, and
-/// it does not explain much less; when the averaged rotations are wrong, what is built on them
-/// agrees with them and loses its structure. In place of a stuck one: it is larger, and hardly an
-/// edge contradicts.
-bool is_better(const Attempt& fresh, const Attempt& old, Reset::Reason reason,
-               const SolveOptions& options) {
-    const std::size_t size = fresh.model.images.size();
-    if (reason == Reset::Reason::kContradiction) {
-        return contradicting_part(fresh) < contradicting_part(old) &&
-               5 * size >= 4 * old.model.images.size() &&
-               5 * observation_count(fresh.model) >= 4 * observation_count(old.model);
-    }
-    return size > old.model.images.size() &&
-           contradicting_part(fresh) <= options.max_contradicting_edges;
-}
-
 /// Extends what is recycled, or solves new when the result contradicts the averaged rotations or
 /// leaves much of the cluster out.
-Result<Attempt> solve_or_reset(const ClusterProblem& problem, const LocalGraph& graph,
-                               const CorrespondenceGraph& matches, const SolveOptions& options,
-                               const std::atomic<bool>* cancel) {
+Result<SolveAttempt> solve_or_reset(const ClusterProblem& problem, const LocalGraph& graph,
+                                    const CorrespondenceGraph& matches, const SolveOptions& options,
+                                    const std::atomic<bool>* cancel) {
     auto attempt = solve_recycled(problem, graph, matches, options, cancel);
     if (!attempt.ok()) return attempt;
     const auto reason = reason_to_reset(*attempt, problem, options);
@@ -258,7 +209,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     ClusterSolution solution;
     solution.cluster = problem.cluster;
     solution.topology = problem.topology;
-    Attempt attempt;
+    SolveAttempt attempt;
     WaitReason reason = WaitReason::kClusterTooSmall;
     if (problem.images.size() < options.mu_min) {
         attempt.statistics.kind = SolveKind::kTooSmall;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace psfm {
@@ -166,17 +165,12 @@ StartRotations rotations_of_forest(std::span<const RelativeRotation> edges,
 }
 
 StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
+                                      std::span<const std::uint32_t> heaviest_first,
                                       std::uint32_t node_count, double max_deg) {
-    std::vector<std::uint32_t> order(edges.size());
-    std::iota(order.begin(), order.end(), 0U);
-    std::ranges::sort(order, {}, [&](std::uint32_t e) {
-        const auto [low, high] = std::minmax(edges[e].i, edges[e].j);
-        return std::tuple(-edges[e].weight, low, high, e);
-    });
     std::vector<std::uint32_t> rank(edges.size());
-    for (std::uint32_t place = 0; place < order.size(); ++place) rank[order[place]] = place;
+    for (std::uint32_t place = 0; place < rank.size(); ++place) rank[heaviest_first[place]] = place;
     JoinedParts parts(edges, rank, node_count);
-    for (const std::uint32_t e : order) {
+    for (const std::uint32_t e : heaviest_first) {
         if (!parts.are_joined(edges[e].i, edges[e].j))
             parts.join(edges[e].i, edges[e].j, max_deg * std::numbers::pi / 180.0);
     }

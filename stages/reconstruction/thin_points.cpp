@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <span>
 
+#include "stages/reconstruction/cover_tracks.h"
 #include "stages/reconstruction/reprojection_cost.h"
 
 namespace psfm {
@@ -89,23 +89,15 @@ class PointRefiner {
 
 std::vector<std::uint32_t> covering_points(const WorkingModel& model,
                                            std::uint32_t points_per_image) {
-    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> alive;
+    std::vector<std::span<const Feature>> tracks;
     for (std::uint32_t point = 0; point < model.points().size(); ++point) {
-        if (model.points()[point].alive()) order.push_back(point);
+        if (!model.points()[point].alive()) continue;
+        alive.push_back(point);
+        tracks.emplace_back(model.points()[point].track);
     }
-    std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t point) {
-        return model.points()[point].track.size();
-    });
-    std::vector<std::uint32_t> observed(model.image_count(), 0);
-    std::vector<std::uint32_t> chosen;
-    for (const std::uint32_t point : order) {
-        const std::vector<Feature>& track = model.points()[point].track;
-        const auto short_of = std::ranges::count_if(
-            track, [&](const Feature& f) { return observed[f.image] < points_per_image; });
-        if (short_of < 2) continue;
-        chosen.push_back(point);
-        for (const Feature& feature : track) ++observed[feature.image];
-    }
+    std::vector<std::uint32_t> chosen = cover_tracks(tracks, model.image_count(), points_per_image);
+    for (std::uint32_t& track : chosen) track = alive[track];
     std::ranges::sort(chosen);
     return chosen;
 }

@@ -10,9 +10,7 @@
 
 namespace psfm {
 
-/// Few points that hold all images together: the longest tracks first, those that give at least two
-/// images one of the points they are short of (Wilson & Snavely 2014, sec. 4.3, cover images in
-/// such a way).
+/// Few points that hold all images together (cover_tracks).
 /// @param points_per_image  an image that observes so many is served
 /// @return ascending
 std::vector<std::uint32_t> covering_points(const WorkingModel& model,

@@ -46,15 +46,16 @@ TEST(CoverTracks, ServesEachImageWithAFewLongTracks) {
         }
         tracks.push_back(track);
     }
-    const auto chosen = cover_tracks(tracks, 10, 4);
+    const std::vector<std::span<const Feature>> views(tracks.begin(), tracks.end());
+    const auto chosen = cover_tracks(views, 10, 4);
     std::vector<std::uint32_t> served(10, 0);
-    for (const FeatureTrack& track : chosen) {
-        for (const Feature& feature : track) ++served[feature.image];
+    for (const std::uint32_t track : chosen) {
+        for (const Feature& feature : tracks[track]) ++served[feature.image];
     }
     EXPECT_GE(std::ranges::min(served), 4U);
     EXPECT_LE(chosen.size(), 8U);
-    EXPECT_EQ(chosen.front().size(), 10U);
-    EXPECT_TRUE(cover_tracks(tracks, 10, 0).empty());
+    EXPECT_EQ(tracks[chosen.front()].size(), 10U);
+    EXPECT_TRUE(cover_tracks(views, 10, 0).empty());
 }
 
 }  // namespace

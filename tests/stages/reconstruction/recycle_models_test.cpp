@@ -169,6 +169,33 @@ TEST(RecycleModels, SolvesNewWhereImagesMayNotBePlacedAnew) {
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
 
+TEST(RecycleModels, KeepsAnImageThatContradictsAsMuchWhenItIsPlacedAnew) {
+    const SyntheticScene scene = noisy_ring(7);
+    ClusterProblem problem = ring_problem(scene, {model_of(scene, range(0, kImages), 71)});
+    // All edges of one image agree on a rotation that its matches contradict.
+    constexpr ImageId kWrong{6};
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
+    for (VerifiedPairPtr& pair : problem.pairs) {
+        if (pair->pair.first != kWrong && pair->pair.second != kWrong) continue;
+        VerifiedPair wrong = *pair;
+        Eigen::Quaterniond& rotation = wrong.geometry.cam2_from_cam1.rotation;
+        rotation = pair->pair.second == kWrong ? turn * rotation : rotation * turn.conjugate();
+        pair = std::make_shared<const VerifiedPair>(wrong);
+    }
+    const auto kept = solve_cluster(problem, {});
+    ASSERT_TRUE(kept.ok());
+    EXPECT_FALSE(kept->statistics.reset) << "neither placed anew nor solved new is better";
+    EXPECT_EQ(kept->statistics.kind, SolveKind::kExtend);
+    EXPECT_GT(kept->state.tolerated_contradiction_deg, SolveOptions{}.max_contradiction_deg);
+    EXPECT_LT(max_position_error(*kept, scene), 0.02);
+    SolveOptions tolerant;
+    tolerant.max_contradicting_edges = 0.5;
+    const auto placed_anew = solve_cluster(problem, tolerant);
+    ASSERT_TRUE(placed_anew.ok());
+    ASSERT_TRUE(placed_anew->statistics.reset);
+    EXPECT_EQ(placed_anew->statistics.reset->images, std::vector{kWrong});
+}
+
 TEST(RecycleModels, DoesNotSolveNewAgainWhatWasComparedBefore) {
     const SyntheticScene scene = noisy_ring(4);
     ClusterProblem problem = ring_problem(scene, {folded_model(scene)});

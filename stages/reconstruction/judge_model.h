@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "graph/reconstruction.h"
+#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/solve_options.h"
+
+// When a recycled model is doubted, and whether a new one takes its place.
+
+namespace psfm {
+
+/// One finished model of a cluster.
+struct SolveAttempt {
+    Reconstruction model;
+    SolveState state;
+    SolveStatistics statistics;
+    Contradiction contradiction;
+};
+
+/// Whether a model that was recycled contradicts the averaged rotations, and something is to be
+/// done about it (paper sec. "Detection of Bad Configurations"). One that has been looked at before
+/// has to have become worse, or larger by a quarter (ours): else an ambiguous cluster would be
+/// solved new with every image.
+bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
+                          const SolveState& state, const SolveOptions& options);
+
+/// Whether a recycled model is to be compared with a new one, and why: it is a bad configuration,
+/// or it leaves out more than a quarter of a cluster that has grown since it was started (ours).
+std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
+                                             const ClusterProblem& problem,
+                                             const SolveOptions& options);
+
+/// Whether a new model is the better one. In place of a bad one: a smaller part of its edges
+/// contradicts, and it explains not much less; when the averaged rotations are wrong, what is built
+/// on them agrees with them and loses its structure. In place of a stuck one: it is larger, and
+/// hardly an edge contradicts (ours).
+bool is_better(const SolveAttempt& fresh, const SolveAttempt& old, Reset::Reason reason,
+               const SolveOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/judge_model.h"
+
+#include <gtest/gtest.h>
+
+namespace psfm {
+namespace {
+
+/// A model of so many images, each with ten observations, and of edges that contradict.
+SolveAttempt attempt_of(std::uint32_t images, std::uint32_t edges, std::uint32_t beyond) {
+    SolveAttempt attempt;
+    ScenePoint point;
+    for (std::uint32_t i = 0; i < images; ++i) {
+        attempt.model.images.push_back({ImageId{i}, CameraId{0}, {}});
+        point.track.push_back({ImageId{i}, 0});
+    }
+    attempt.model.points.assign(10, point);
+    attempt.contradiction.angle_deg = beyond > 0 ? 60.0 : 2.0;
+    attempt.contradiction.edges = edges;
+    attempt.contradiction.beyond = beyond;
+    return attempt;
+}
+
+ClusterProblem cluster_of(std::uint32_t images) {
+    ClusterProblem problem;
+    problem.images.resize(images);
+    return problem;
+}
+
+TEST(ReasonToReset, IsAContradictionThatWasNotLookedAtBefore) {
+    SolveAttempt attempt = attempt_of(20, 100, 10);
+    EXPECT_EQ(reason_to_reset(attempt, cluster_of(20), {}), Reset::Reason::kContradiction);
+    attempt.state.tolerated_contradiction_deg = 60.0;
+    attempt.state.images_at_contradiction = 16;
+    EXPECT_EQ(reason_to_reset(attempt, cluster_of(20), {}), std::nullopt);
+    attempt.state.images_at_contradiction = 15;
+    EXPECT_EQ(reason_to_reset(attempt, cluster_of(20), {}), Reset::Reason::kContradiction);
+    attempt.state.images_at_contradiction = 16;
+    attempt.contradiction.angle_deg = 91.0;
+    EXPECT_EQ(reason_to_reset(attempt, cluster_of(20), {}), Reset::Reason::kContradiction);
+}
+
+TEST(ReasonToReset, IsAClusterThatGrewAndStayedOut) {
+    SolveAttempt attempt = attempt_of(14, 100, 0);
+    attempt.state.images_at_start = 16;
+    EXPECT_EQ(reason_to_reset(attempt, cluster_of(21), {}), Reset::Reason::kStuck);
+    EXPECT_EQ(reason_to_reset(attempt, cluster_of(20), {}), std::nullopt) << "hardly larger";
+    EXPECT_EQ(reason_to_reset(attempt_of(16, 100, 0), cluster_of(21), {}), std::nullopt)
+        << "three quarters are in";
+    ClusterProblem settling = cluster_of(20);
+    settling.settle = true;
+    EXPECT_EQ(reason_to_reset(attempt, settling, {}), Reset::Reason::kStuck);
+}
+
+TEST(IsBetter, InPlaceOfABadModelContradictsLessAndExplainsAsMuch) {
+    constexpr auto kReason = Reset::Reason::kContradiction;
+    const SolveAttempt old = attempt_of(20, 100, 10);
+    EXPECT_TRUE(is_better(attempt_of(20, 100, 9), old, kReason, {}));
+    EXPECT_FALSE(is_better(attempt_of(20, 100, 10), old, kReason, {}));
+    EXPECT_FALSE(is_better(attempt_of(20, 50, 9), old, kReason, {})) << "of half the edges";
+    EXPECT_TRUE(is_better(attempt_of(16, 100, 0), old, kReason, {}));
+    EXPECT_FALSE(is_better(attempt_of(15, 100, 0), old, kReason, {})) << "loses images";
+    SolveAttempt ruin = attempt_of(20, 100, 0);
+    ruin.model.points.resize(8);
+    EXPECT_TRUE(is_better(ruin, old, kReason, {}));
+    ruin.model.points.resize(7);
+    EXPECT_FALSE(is_better(ruin, old, kReason, {})) << "loses structure";
+}
+
+TEST(IsBetter, InPlaceOfAStuckModelIsLargerAndAgrees) {
+    constexpr auto kReason = Reset::Reason::kStuck;
+    const SolveAttempt old = attempt_of(10, 100, 0);
+    EXPECT_TRUE(is_better(attempt_of(11, 100, 2), old, kReason, {}));
+    EXPECT_FALSE(is_better(attempt_of(11, 100, 3), old, kReason, {}));
+    EXPECT_FALSE(is_better(attempt_of(10, 100, 0), old, kReason, {}));
+}
+
+}  // namespace
+}  // namespace psfm
