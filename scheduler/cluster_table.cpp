@@ -15,22 +15,27 @@ bool has_model(const std::shared_ptr<const Reconstruction>& model) {
 
 }  // namespace
 
-/// Structure that images take along when they move together: by the cluster they move to. A group
-/// below mu_min is added one by one instead (paper sec. "Cluster Reconstruction", transfer).
+/// Models whose images move together to another cluster, whole: by the cluster they move to.
 std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
     const ClusteringEdit& edit) const {
     std::map<ClusterId, std::vector<RecycledModel>> arriving;
     for (const MovedMembers& moved : edit.moved) {
         const auto from = entries_.find(moved.from);
         if (from == entries_.end()) continue;
-        for (const RecycledModel& source : from->second.material) {
-            auto part =
-                std::make_shared<const Reconstruction>(restricted_to(*source.model, moved.members));
-            if (part->images.size() >= mu_min_)
-                arriving[moved.to].push_back({source.cluster, source.revision, std::move(part)});
-        }
+        std::vector<RecycledModel>& models = arriving[moved.to];
+        models.insert(models.end(), from->second.material.begin(), from->second.material.end());
     }
     return arriving;
+}
+
+/// The part of a model that a cluster takes over with the images that moved there. A group below
+/// mu_min is added one by one instead (paper sec. "Cluster Reconstruction", transfer).
+std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& source,
+                                                         const ClusterEntry& entry) const {
+    auto part =
+        std::make_shared<const Reconstruction>(restricted_to(*source.model, images_of(entry)));
+    if (part->images.size() < mu_min_) return std::nullopt;
+    return RecycledModel{source.cluster, source.revision, std::move(part)};
 }
 
 /// Leaves of an entry's models what its images see. @return whether it lost some
@@ -52,9 +57,9 @@ bool ClusterTable::keep_members(ClusterEntry& entry) const {
     return lost;
 }
 
-std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
-    std::vector<ClusterChange> changes;
-    std::map<ClusterId, std::vector<RecycledModel>> arriving = moving_models(edit);
+std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
+                                               const std::function<void()>& find_hosts) {
+    const std::map<ClusterId, std::vector<RecycledModel>> moving = moving_models(edit);
     for (const ClusterMembers& changed : edit.changed) {
         ClusterEntry& entry = entries_[changed.id];
         entry.id = changed.id;
@@ -64,28 +69,36 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit) {
             if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
             cluster_of_[index_of(image)] = changed.id;
         }
+        make_dirty(entry);
+    }
+    for (const ClusterId removed : edit.removed) entries_.erase(removed);
+    if (find_hosts) find_hosts();
+
+    std::vector<ClusterChange> changes;
+    for (const ClusterMembers& changed : edit.changed) {
+        ClusterEntry& entry = entries_.at(changed.id);
         if (keep_members(entry)) {
             changes.push_back(
                 {ClusterChange::Kind::kSplit, changed.id, {}, changed.members.size()});
         }
-        const auto models = arriving.find(changed.id);
-        if (models != arriving.end()) {
-            const bool is_join = !entry.material.empty();
-            ClusterChange join{ClusterChange::Kind::kJoin, changed.id, {}, changed.members.size()};
-            for (RecycledModel& recycled : models->second) {
-                changes.push_back({ClusterChange::Kind::kTransfer,
-                                   changed.id,
-                                   {recycled.cluster},
-                                   recycled.model->images.size()});
-                join.others.push_back(recycled.cluster);
-                entry.material.push_back(std::move(recycled));
-            }
-            if (is_join || entry.material.size() > 1) changes.push_back(std::move(join));
-            entry.transfer_topology = entry.topology;
+        const auto sources = moving.find(changed.id);
+        if (sources == moving.end()) continue;
+        const bool is_join = !entry.material.empty();
+        ClusterChange join{ClusterChange::Kind::kJoin, changed.id, {}, changed.members.size()};
+        for (const RecycledModel& source : sources->second) {
+            auto part = arriving_part(source, entry);
+            if (!part) continue;
+            changes.push_back({ClusterChange::Kind::kTransfer,
+                               changed.id,
+                               {source.cluster},
+                               part->model->images.size()});
+            join.others.push_back(source.cluster);
+            entry.material.push_back(*std::move(part));
         }
-        make_dirty(entry);
+        if (join.others.empty()) continue;
+        entry.transfer_topology = entry.topology;
+        if (is_join || entry.material.size() > 1) changes.push_back(std::move(join));
     }
-    for (const ClusterId removed : edit.removed) entries_.erase(removed);
     return changes;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -68,8 +69,12 @@ class ClusterTable {
   public:
     explicit ClusterTable(std::uint32_t mu_min) : mu_min_(mu_min) {}
 
-    /// Takes over an edit; clusters below mu_min are clean at once.
-    std::vector<ClusterChange> apply(const ClusteringEdit& edit);
+    /// Takes over an edit; clusters below mu_min are clean at once. Models keep what their clusters
+    /// place afterwards, as after a restore().
+    /// @param find_hosts  sets the hosts that follow from the edit; called when the clusters have
+    /// their new members
+    std::vector<ClusterChange> apply(const ClusteringEdit& edit,
+                                     const std::function<void()>& find_hosts = {});
     /// Clusters that lost an edge between two of their members: what their models rest on has
     /// changed.
     void make_dirty(std::span<const ClusterId> clusters);
@@ -115,6 +120,8 @@ class ClusterTable {
     void make_dirty(ClusterEntry& entry) const;
     bool keep_members(ClusterEntry& entry) const;
     std::map<ClusterId, std::vector<RecycledModel>> moving_models(const ClusteringEdit& edit) const;
+    std::optional<RecycledModel> arriving_part(const RecycledModel& source,
+                                               const ClusterEntry& entry) const;
 
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;

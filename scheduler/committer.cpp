@@ -117,16 +117,6 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     return {};
 }
 
-Result<void> Committer::on(const ResumedImage& message, CommitOutput& output) {
-    PendingImage pending;
-    pending.report.index = index_of(message.image->image.id) + 1;
-    pending.report.name = message.image->image.name;
-    pending.arrival = Clock::now();
-    state_.pending[index_of(message.image->image.id)] = pending;
-    output.accepted.push_back(message.image);
-    return {};
-}
-
 Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*output*/) {
     if (!message.pairs->ok()) return message.pairs->error();
     const auto start = Clock::now();
@@ -138,13 +128,15 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     const ClusteringEdit edit =
         update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering);
     const std::size_t untouched = state_.clusters.entries().size();
-    for (const ClusterChange& change : state_.clusters.apply(edit)) tell(describe_change(change));
+    std::vector<ClusterId> rehosted;
+    const std::vector<ClusterChange> changes =
+        state_.clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
+    for (const ClusterChange& change : changes) tell(describe_change(change));
     state_.counts.solves_skipped += static_cast<std::uint32_t>(
         untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
 
     std::set<ClusterId> dirty;
     for (const ClusterMembers& cluster : edit.changed) dirty.insert(cluster.id);
-    const std::vector<ClusterId> rehosted = update_hosts(edges.images, edit);
     dirty.insert(rehosted.begin(), rehosted.end());
     const std::vector<ClusterId> shaken = clusters_resting_on(edges.removed, dirty);
     state_.clusters.make_dirty(shaken);
@@ -276,6 +268,13 @@ void Committer::advance(CommitOutput& output) {
         for (const ClusterEntry* entry : state_.clusters.take_dirty())
             output.solves.push_back({make_cluster_problem(state_, config_, *entry, false)});
     }
+    // What an earlier process was settling ends as one version, as it would have there.
+    const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
+    if (settle_first_ && at_rest && !hold) {
+        settle_first_ = false;
+        for (const ClusterEntry* entry : state_.clusters.take_unsettled())
+            output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
+    }
     // Settling begins once everything is published, so that what it starts from does not depend on
     // timing.
     const bool all_published =
@@ -293,6 +292,11 @@ void Committer::advance(CommitOutput& output) {
         changed_ = false;
         merging_ = true;
         output.merge = MergeMessage{make_merge_problem(state_)};
+    }
+    const bool caught_up = !state_.clusters.busy() && !changed_ && !merging_;
+    if (catching_up_ && (caught_up || !config_.deterministic)) {
+        catching_up_ = false;
+        ++images_released_;
     }
     if (!output.publish && (!events_.empty() || photos_released_ > 0 || images_released_ > 0))
         output.publish.emplace();

@@ -42,6 +42,7 @@ class Committer {
     const SessionState& state() const { return state_; }
 
   private:
+    Result<void> on(const CatchUp& message, CommitOutput& output);
     Result<void> on(const ExtractedMessage& message, CommitOutput& output);
     Result<void> on(const ResumedImage& message, CommitOutput& output);
     Result<void> on(const VerifiedMessage& message, CommitOutput& output);
@@ -77,6 +78,8 @@ class Committer {
     bool settled_ = false;                          // the settling solves were sent out
     bool merging_ = false;                          // one merge in flight at most
     bool changed_ = false;                          // something is to be merged and published
+    bool catching_up_ = false;                      // an image token is held for that
+    bool settle_first_ = false;                     // an earlier process was settling
     bool failed_ = false;
 };
 

@@ -20,6 +20,14 @@ std::string dump(const ordered_json& object) {
     return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
+/// Left by a process that was killed while it wrote: what is appended begins a line of its own.
+bool ends_within_a_line(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary | std::ios::ate);
+    if (!stream || stream.tellg() <= 0) return false;
+    stream.seekg(-1, std::ios::end);
+    return stream.get() != '\n';
+}
+
 }  // namespace
 
 const char* name_of(SessionEvent::Kind kind) {
@@ -72,7 +80,9 @@ std::string log_line(const SessionEvent& event) {
 }
 
 Result<std::unique_ptr<EventLog>> EventLog::open(const std::filesystem::path& file) {
+    const bool torn = ends_within_a_line(file);
     std::ofstream stream(file, std::ios::app);
+    if (torn) stream << '\n';
     if (!stream) {
         return Error{ErrorCode::kIo, "cannot write the log " + file.string() + ": " +
                                          std::strerror(errno) + "; choose another --log"};

@@ -13,8 +13,8 @@ namespace {
 /// Lowered: weak geometry's guesses spread. Ours.
 constexpr std::uint32_t kImagesToCalibrate = 10;
 
-/// Intrinsics of those cameras of a problem that none of its recycled models has, from the model
-/// that has most images of each.
+/// Intrinsics of those cameras of a problem that none of its recycled models has, from the
+/// published model that has most images of each.
 std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
                                                 const ClusterProblem& problem) {
     std::map<CameraId, std::uint32_t> images_behind;
@@ -25,14 +25,16 @@ std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
     }
     std::map<CameraId, Camera> calibrated;
     if (images_behind.empty()) return calibrated;
-    for (const auto& [cluster, entry] : state.clusters.entries()) {
-        if (!entry.model) continue;
+    // As published, not as solved since: clusters that one image makes dirty may not depend on
+    // which of them was solved first, also when a process dies between two of them.
+    for (const auto& shown : state.scene->clusters) {
+        if (!shown->model || !state.clusters.entries().contains(shown->id)) continue;
         std::map<CameraId, std::uint32_t> counts;
-        for (const RegisteredImage& image : entry.model->images) ++counts[image.camera];
+        for (const RegisteredImage& image : shown->model->images) ++counts[image.camera];
         for (auto& [id, most] : images_behind) {
             if (counts[id] <= most) continue;
             most = counts[id];
-            calibrated[id] = entry.model->cameras.at(id);
+            calibrated[id] = shown->model->cameras.at(id);
         }
     }
     return calibrated;

@@ -99,8 +99,12 @@ struct ResumedImage {
     AcceptedImagePtr image;
 };
 
-using CommitInput = std::variant<ExtractedMessage, ResumedImage, VerifiedMessage, SolvedMessage,
-                                 MergedMessage, EndOfPhotos>;
+/// The first message of a process: what an earlier one committed and did not come to publish is
+/// solved and published. Holds an image token meanwhile, in deterministic sessions to the end.
+struct CatchUp {};
+
+using CommitInput = std::variant<CatchUp, ExtractedMessage, ResumedImage, VerifiedMessage,
+                                 SolvedMessage, MergedMessage, EndOfPhotos>;
 
 /// One line of the log: an image, once a published version takes account of it.
 struct ImageReport {

@@ -57,6 +57,8 @@ bool admit(Admission& tokens, const SessionGraph& graph, const std::atomic<bool>
 std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified,
                    const SeenPhotos& seen, PhotoSource& photos, Admission& photo_tokens,
                    Admission& image_tokens, const std::atomic<bool>& stop) {
+    if (!admit(image_tokens, graph, stop)) return 0;
+    graph.put(CatchUp{});
     for (const AcceptedImagePtr& image : unverified) {
         if (!admit(image_tokens, graph, stop)) return 0;
         graph.put(ResumedImage{image});

@@ -212,6 +212,9 @@ void SessionGraph::put(const ArrivedPhoto& photo) {
 void SessionGraph::put(const ResumedImage& image) {
     nodes_->commit.try_put(image);
 }
+void SessionGraph::put(const CatchUp& first) {
+    nodes_->commit.try_put(first);
+}
 void SessionGraph::end_of_photos(std::uint64_t photos) {
     nodes_->commit.try_put(EndOfPhotos{photos});
 }

@@ -301,6 +301,19 @@ TEST(ClusterTable, AGuestIsPlacedByItsHost) {
     EXPECT_EQ(table.images_of(*both.front()), images({0, 1, 2}));
 }
 
+TEST(ClusterTable, ASplitModelKeepsWhatBecomesItsGuest) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2, 3, 4}));
+    solve_dirty(table);
+    ClusteringEdit split = members(0, {0, 1, 2});
+    split.changed.push_back({cluster(1), images({3})});
+    split.changed.push_back({cluster(2), images({4})});
+    using Host = std::pair<ImageId, std::optional<ClusterId>>;
+    table.apply(split, [&] { table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}); });
+    EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})})
+        << "as a resumed session would find it";
+}
+
 TEST(ClusterTable, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
     ClusterTable table(kMuMin);
     ClusterEntry host;

@@ -71,6 +71,13 @@ TEST(EventLog, AppendsLinesAndRefusesFolders) {
     while (std::getline(stream, line)) ++lines;
     EXPECT_EQ(lines, 6);
     std::filesystem::remove(file);
+
+    std::ofstream(file) << R"({"event":"ima)";  // killed while it wrote
+    (*EventLog::open(file))->write(publish);
+    std::ifstream torn(file);
+    std::getline(torn, line);
+    EXPECT_EQ(line, R"({"event":"ima)") << "what follows has lines of its own";
+    std::filesystem::remove(file);
     EXPECT_FALSE(EventLog::open(std::filesystem::temp_directory_path()).ok());
 }
 

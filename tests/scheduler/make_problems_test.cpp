@@ -39,7 +39,12 @@ ClusterEntry cluster_of(std::uint32_t id, std::uint32_t first, std::uint32_t las
 SessionState state_of(const std::vector<ClusterEntry>& clusters) {
     SessionState state(5);
     std::uint32_t images = 0;
+    auto scene = std::make_shared<Scene>();
     for (const ClusterEntry& entry : clusters) {
+        auto shown = std::make_shared<SceneCluster>();
+        shown->id = entry.id;
+        shown->model = entry.model;
+        scene->clusters.push_back(std::move(shown));
         images += static_cast<std::uint32_t>(entry.members.size());
         state.clusters.restore(entry);
     }
@@ -52,6 +57,7 @@ SessionState state_of(const std::vector<ClusterEntry>& clusters) {
         state.view_graph.add_node();
     }
     state.cameras[CameraId{0}] = with_focal(kExifFocal);
+    state.scene = std::move(scene);
     return state;
 }
 
