@@ -43,6 +43,11 @@ TEMPLE = Photographs("temple-341", "temple-341/images", "temple-341/gt")
 QUAD = Photographs("quad-streams", "quad-streams/images", "quad-streams/gt")
 BOOKS = Photographs("books", "duplicates/books/images", "duplicates/books/reference")
 CEREAL = Photographs("cereal", "duplicates/cereal/images")
+# Strecha's photographs with laser-scanned truth: of tools/bench.
+FOUNTAIN, HERZ_JESUS, ENTRY, CASTLE = (
+    Photographs(name, f"strecha-half/{name}/images", f"strecha-half/{name}/gt")
+    for name in ("fountain-P11", "Herz-Jesus-P8", "entry-P10", "castle-P19"))
+SCEAUX = Photographs("sceaux", "sceaux/images")
 
 
 def _shuffles(source):

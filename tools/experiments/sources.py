@@ -49,7 +49,7 @@ def database_names(file):
                      "writes one") from error
 
 
-def _dataset(settings, path):
+def in_datasets(settings, path):
     if settings.datasets is None:
         raise Failed("where the photographs are is not known; set PSFM_DATASETS or give --datasets DIR")
     found = settings.datasets / path
@@ -99,11 +99,11 @@ def resolve(settings, run, database=None):
         photographs, reference = None, folder / "reference"
         order_file = folder.joinpath
     else:
-        photographs = _dataset(settings, run.source.images)
-        reference = _dataset(settings, run.source.reference) if run.source.reference else None
+        photographs = in_datasets(settings, run.source.images)
+        reference = in_datasets(settings, run.source.reference) if run.source.reference else None
 
         def order_file(path):
-            return _dataset(settings, path)
+            return in_datasets(settings, path)
     if database is not None:
         names = database_names(database)
         identity = "matches " + digest_of_file(database)
