@@ -16,6 +16,10 @@ double rounded(double milliseconds) {
     return std::round(milliseconds * 10.0) / 10.0;
 }
 
+double rounded_seconds(double seconds) {
+    return rounded(seconds * 1000.0) / 1000.0;
+}
+
 std::string dump(const ordered_json& object) {
     return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
@@ -79,6 +83,23 @@ std::string log_line(const SessionEvent& event) {
     return dump(object);
 }
 
+std::string log_line(const GraphUsage& usage) {
+    ordered_json nodes = ordered_json::array();
+    for (const NodeUsage& node : usage.nodes) {
+        nodes.push_back(ordered_json{{"node", name_of(node.node)},
+                                     {"runs", node.runs},
+                                     {"busy_s", rounded_seconds(node.busy_s)},
+                                     {"waiting_s", rounded_seconds(node.waiting_s)},
+                                     {"starved_s", rounded_seconds(node.starved_s)},
+                                     {"work_s", rounded_seconds(node.work_s)},
+                                     {"queued_s", rounded_seconds(node.queued_s)}});
+    }
+    return dump(ordered_json{{"event", "nodes"},
+                             {"seconds", rounded_seconds(usage.seconds)},
+                             {"threads", usage.threads},
+                             {"nodes", std::move(nodes)}});
+}
+
 Result<std::unique_ptr<EventLog>> EventLog::open(const std::filesystem::path& file) {
     const bool torn = ends_within_a_line(file);
     std::ofstream stream(file, std::ios::app);
@@ -94,6 +115,11 @@ void EventLog::write(const PublishMessage& publish) {
     for (const SessionEvent& event : publish.events) stream_ << log_line(event) << '\n';
     for (const ImageReport& image : publish.images)
         stream_ << log_line(image, publish.counts) << '\n';
+    stream_.flush();
+}
+
+void EventLog::write(const GraphUsage& usage) {
+    stream_ << log_line(usage) << '\n';
     stream_.flush();
 }
 

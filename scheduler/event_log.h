@@ -9,19 +9,21 @@
 
 #include "graph/result.h"
 #include "scheduler/messages.h"
+#include "scheduler/node_times.h"
 
 namespace psfm {
 
 /// The log of a session as JSON lines (DESIGN.md section 5): an "image" event for every image once
 /// a published version takes account of it, "rejected", "join", "split", "reset", "transfer" and
-/// "solve" events as they happen. Every line is flushed, so that the log can be followed. Appends.
-/// Not thread-safe.
+/// "solve" events as they happen, and at the end of a run "nodes", what the nodes of the flow graph
+/// did. Every line is flushed, so that the log can be followed. Appends. Not thread-safe.
 class EventLog {
   public:
     /// @errors kIo, kNoSpace (the file cannot be opened for writing)
     static Result<std::unique_ptr<EventLog>> open(const std::filesystem::path& file);
 
     void write(const PublishMessage& publish);
+    void write(const GraphUsage& usage);
     bool good() const { return stream_.good(); }
 
   private:
@@ -32,6 +34,7 @@ class EventLog {
 /// One event or image as a line of JSON, without the line's end.
 std::string log_line(const ImageReport& image, const SessionCounts& counts);
 std::string log_line(const SessionEvent& event);
+std::string log_line(const GraphUsage& usage);
 const char* name_of(SessionEvent::Kind kind);
 
 }  // namespace psfm

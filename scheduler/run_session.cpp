@@ -13,6 +13,7 @@
 #include "scheduler/admission.h"
 #include "scheduler/committer.h"
 #include "scheduler/front_end.h"
+#include "scheduler/node_times.h"
 #include "scheduler/session_graph.h"
 #include "scheduler/session_state.h"
 
@@ -130,6 +131,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     parts.stop = &stop;
     parts.photo_tokens = &photo_tokens;
     parts.image_tokens = &image_tokens;
+    NodeTimes times;
+    parts.times = &times;
     SessionGraph graph(parts, arena);
 
     const std::uint64_t photos_put =
@@ -140,6 +143,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     SessionRun run;
     run.interrupted = stop.load();
     run.counts = committer.state().counts;
+    run.usage = times.usage();
+    run.usage.threads = threads;
     for (const auto& [image, reason] : waiting_images(committer.state(), options->solve.mu_min)) {
         run.waiting.emplace_back(committer.state().images[index_of(image)].name, reason);
     }

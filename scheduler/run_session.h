@@ -9,6 +9,7 @@
 
 #include "graph/result.h"
 #include "scheduler/messages.h"
+#include "scheduler/node_times.h"
 #include "scheduler/session_config.h"
 #include "stages/features/photo_file.h"
 #include "storage/session_store.h"
@@ -51,7 +52,8 @@ struct SessionRun {
     bool interrupted = false;  ///< `stop` was set before everything was done
     SessionCounts counts;
     std::vector<std::pair<std::string, WaitReason>>
-        waiting;  ///< names of images in no model, with the reason
+        waiting;       ///< names of images in no model, with the reason
+    GraphUsage usage;  ///< what the nodes of the flow graph did
 };
 
 /// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and

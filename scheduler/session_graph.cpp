@@ -45,6 +45,12 @@ struct SessionGraph::Nodes {
     CommitInput merge_clusters(const MergeMessage& message) const;
     void publish_version(const PublishMessage& message) const;
 
+    /// Runs a node's body, and measures it.
+    template <typename Body>
+    auto timed(GraphNode node, const Body& body) const {
+        const NodeTimes::Run run(*parts.times, node);
+        return body();
+    }
     bool stopped() const { return parts.stop->load() || has_failed.load(); }
     void fail(const Error& the_error);
 
@@ -53,6 +59,8 @@ struct SessionGraph::Nodes {
     void commit_message(const CommitInput& input, CommitNode::output_ports_type& ports);
 
     Parts parts;
+    InOrder photos_in_order;  // what the sequencers let through to commit
+    InOrder images_in_order;
     std::atomic<bool> has_failed{false};
     mutable std::mutex error_mutex;
     Error error;
@@ -73,27 +81,55 @@ struct SessionGraph::Nodes {
 SessionGraph::Nodes::Nodes(const Parts& the_parts, tbb::task_arena& the_arena)
     : parts(the_parts),
       arena(the_arena),
-      extract(graph, flow::unlimited, [this](const ArrivedPhoto& p) { return extract_photo(p); }),
+      extract(graph, flow::unlimited,
+              [this](const ArrivedPhoto& p) {
+                  CommitInput extracted =
+                      timed(GraphNode::kExtract, [&] { return extract_photo(p); });
+                  parts.times->arrived(GraphNode::kCommit, photos_in_order.arrived(p.sequence));
+                  return extracted;
+              }),
       by_arrival(graph,
                  [](const CommitInput& m) {
                      return static_cast<std::size_t>(std::get<ExtractedMessage>(m).sequence);
                  }),
       commit(graph, flow::serial,
              [this](const CommitInput& m, CommitNode::output_ports_type& ports) {
-                 commit_message(m, ports);
+                 timed(GraphNode::kCommit, [&] { commit_message(m, ports); });
              }),
       retrieve(graph, flow::serial,
-               [this](const AcceptedImagePtr& m) { return retrieve_candidates(m); }),
-      verify(graph, flow::unlimited, [this](const RetrievedMessage& m) { return verify_image(m); }),
+               [this](const AcceptedImagePtr& m) {
+                   RetrievedMessage retrieved =
+                       timed(GraphNode::kRetrieve, [&] { return retrieve_candidates(m); });
+                   parts.times->arrived(GraphNode::kVerify);
+                   return retrieved;
+               }),
+      verify(graph, flow::unlimited,
+             [this](const RetrievedMessage& m) {
+                 CommitInput verified = timed(GraphNode::kVerify, [&] { return verify_image(m); });
+                 parts.times->arrived(
+                     GraphNode::kCommit,
+                     images_in_order.arrived(index_of(m.image->image.id) - parts.committed_images));
+                 return verified;
+             }),
       by_image(graph,
                [first = the_parts.committed_images](const CommitInput& m) {
                    return index_of(std::get<VerifiedMessage>(m).image) - first;
                }),
       solve_cluster_node(graph, flow::unlimited,
-                         [this](const SolveMessage& m) { return solve(m); }),
-      merge(graph, flow::serial, [this](const MergeMessage& m) { return merge_clusters(m); }),
+                         [this](const SolveMessage& m) {
+                             CommitInput solved =
+                                 timed(GraphNode::kSolve, [&] { return solve(m); });
+                             parts.times->arrived(GraphNode::kCommit);
+                             return solved;
+                         }),
+      merge(graph, flow::serial,
+            [this](const MergeMessage& m) {
+                CommitInput merged = timed(GraphNode::kMerge, [&] { return merge_clusters(m); });
+                parts.times->arrived(GraphNode::kCommit);
+                return merged;
+            }),
       publish(graph, flow::serial, [this](const PublishMessage& m) {
-          publish_version(m);
+          timed(GraphNode::kPublish, [&] { publish_version(m); });
           return flow::continue_msg{};
       }) {
     flow::make_edge(extract, by_arrival);
@@ -190,11 +226,19 @@ void SessionGraph::Nodes::commit_message(const CommitInput& input,
         fail(output.error());
         return;
     }
+    parts.times->arrived(GraphNode::kRetrieve, output->accepted.size());
+    parts.times->arrived(GraphNode::kSolve, output->solves.size());
     for (const AcceptedImagePtr& accepted : output->accepted) std::get<0>(ports).try_put(accepted);
     for (const SolveMessage& solve_message : output->solves)
         std::get<1>(ports).try_put(solve_message);
-    if (output->merge) std::get<2>(ports).try_put(*output->merge);
-    if (output->publish) std::get<3>(ports).try_put(*output->publish);
+    if (output->merge) {
+        parts.times->arrived(GraphNode::kMerge);
+        std::get<2>(ports).try_put(*output->merge);
+    }
+    if (output->publish) {
+        parts.times->arrived(GraphNode::kPublish);
+        std::get<3>(ports).try_put(*output->publish);
+    }
 }
 
 SessionGraph::SessionGraph(const Parts& parts, tbb::task_arena& arena) {
@@ -207,15 +251,18 @@ SessionGraph::~SessionGraph() {
 }
 
 void SessionGraph::put(const ArrivedPhoto& photo) {
+    nodes_->parts.times->arrived(GraphNode::kExtract);
     nodes_->extract.try_put(photo);
 }
 void SessionGraph::put(const ResumedImage& image) {
+    nodes_->parts.times->arrived(GraphNode::kCommit);
     nodes_->commit.try_put(image);
 }
 void SessionGraph::put(const CatchUp& first) {
     nodes_->commit.try_put(first);
 }
 void SessionGraph::end_of_photos(std::uint64_t photos) {
+    nodes_->parts.times->arrived(GraphNode::kCommit);
     nodes_->commit.try_put(EndOfPhotos{photos});
 }
 

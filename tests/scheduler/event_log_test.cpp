@@ -53,6 +53,25 @@ TEST(LogLine, NamesThatAreNoUtf8DoNotThrow) {
     EXPECT_NO_THROW(log_line(image, {}));
 }
 
+TEST(LogLine, NodesTellWhatTheyDidWithTheirTime) {
+    GraphUsage usage;
+    usage.seconds = 10.0;
+    usage.threads = 3;
+    usage.nodes.push_back({GraphNode::kSolve, 7, 6.25, 1.5, 2.25, 8.0, 1.75});
+    const auto line = nlohmann::json::parse(log_line(usage));
+    EXPECT_EQ(line.at("event"), "nodes");
+    EXPECT_EQ(line.at("seconds"), 10.0);
+    EXPECT_EQ(line.at("threads"), 3);
+    const auto& node = line.at("nodes").at(0);
+    EXPECT_EQ(node.at("node"), "solve");
+    EXPECT_EQ(node.at("runs"), 7);
+    EXPECT_EQ(node.at("busy_s"), 6.25);
+    EXPECT_EQ(node.at("waiting_s"), 1.5);
+    EXPECT_EQ(node.at("starved_s"), 2.25);
+    EXPECT_EQ(node.at("work_s"), 8.0);
+    EXPECT_EQ(node.at("queued_s"), 1.75);
+}
+
 TEST(EventLog, AppendsLinesAndRefusesFolders) {
     const auto file =
         std::filesystem::temp_directory_path() / ("psfm_log_" + std::to_string(getpid()));
@@ -63,13 +82,14 @@ TEST(EventLog, AppendsLinesAndRefusesFolders) {
         auto log = EventLog::open(file);
         ASSERT_TRUE(log.ok());
         (*log)->write(publish);
+        (*log)->write(GraphUsage{});
         EXPECT_TRUE((*log)->good());
     }
     std::ifstream stream(file);
     std::string line;
     int lines = 0;
     while (std::getline(stream, line)) ++lines;
-    EXPECT_EQ(lines, 6);
+    EXPECT_EQ(lines, 8);
     std::filesystem::remove(file);
 
     std::ofstream(file) << R"({"event":"ima)";  // killed while it wrote

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -133,6 +134,30 @@ TEST_F(RunSessionTest, PublishesAVersionAfterEveryImage) {
             EXPECT_GE(placed_count(*scene), 4U) << "after image " << n;
         }
     }
+}
+
+TEST_F(RunSessionTest, TellsWhatItsNodesDid) {
+    Outcome outcome;
+    run(fresh("usage"), SessionConfig{}, photos(), outcome, 3);
+    const GraphUsage& usage = outcome.run->usage;
+    EXPECT_EQ(usage.threads, 3);
+    std::map<GraphNode, NodeUsage> nodes;
+    for (const NodeUsage& node : usage.nodes) {
+        nodes[node.node] = node;
+        EXPECT_NEAR(node.busy_s + node.waiting_s + node.starved_s, usage.seconds,
+                    1e-6 * usage.seconds)
+            << name_of(node.node);
+    }
+    EXPECT_EQ(nodes[GraphNode::kExtract].runs, 9U);
+    EXPECT_EQ(nodes[GraphNode::kRetrieve].runs, 9U);
+    EXPECT_EQ(nodes[GraphNode::kVerify].runs, 9U);
+    // Extracted and verified images, every solve and merge, and the end of the photographs.
+    EXPECT_EQ(nodes[GraphNode::kCommit].runs,
+              9U + 9U + nodes[GraphNode::kSolve].runs + nodes[GraphNode::kMerge].runs + 1U);
+    EXPECT_GE(nodes[GraphNode::kSolve].runs, 1U);
+    EXPECT_GE(nodes[GraphNode::kMerge].runs, 1U);
+    EXPECT_GT(nodes[GraphNode::kExtract].work_s, 0.0);
+    EXPECT_GE(nodes[GraphNode::kPublish].runs, 1U);
 }
 
 TEST_F(RunSessionTest, IsBitwiseTheSameOnAnyNumberOfThreads) {

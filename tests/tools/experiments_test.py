@@ -51,7 +51,7 @@ class Log(unittest.TestCase):
         log = measurements.parse_log([
             image_line(1), solve_line("new", 100.0), image_line(2, placed=0), solve_line("extend", 20.0),
             json.dumps({"event": "reset", "text": "cluster 0 was reset"}), solve_line("new", 50.0), "",
-            image_line(3, clusters=2, effective_clusters=1, resets=1)])
+            image_line(3, clusters=2, effective_clusters=1, resets=1), json.dumps({"event": "nodes", "nodes": []})])
         self.assertEqual([row.arrived for row in log.rows], [1, 2, 3])
         self.assertEqual((log.rows[2].clusters, log.rows[2].effective, log.rows[2].resets), (2, 1, 1))
         self.assertEqual(log.solves, {"new": [2, 150.0], "extend": [1, 20.0]})

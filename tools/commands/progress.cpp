@@ -53,6 +53,10 @@ void Progress::on_publish(const PublishMessage& publish) {
     if (terminal_) show(publish.counts);
 }
 
+void Progress::on_end(const SessionRun& run) {
+    if (log_) log_->write(run.usage);
+}
+
 void Progress::say(const std::string& line) {
     std::cerr << (line_open_ ? "\r\x1b[K" : "") << line << '\n';
     line_open_ = false;

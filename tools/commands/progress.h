@@ -23,6 +23,8 @@ class Progress final : public SessionObserver {
     Progress& operator=(const Progress&) = delete;
 
     void on_publish(const PublishMessage& publish) override;
+    /// The run is over: the log's last line.
+    void on_end(const SessionRun& run);
     /// The log was asked for and could not be written to the end.
     bool log_failed() const { return log_ && !log_->good(); }
 

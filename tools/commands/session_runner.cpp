@@ -130,6 +130,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
         Progress progress(expected, std::move(log));
         run = run_session(store, request.config, request.execution, *source, progress,
                           stop_requested);
+        if (run.ok()) progress.on_end(*run);
         log_failed = progress.log_failed();
     }
     if (!run.ok()) return report_error(run.error());

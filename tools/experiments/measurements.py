@@ -58,7 +58,7 @@ def parse_log(lines, where="the log"):
             count = log.solves.setdefault(entry.get("kind", "failed"), [0, 0.0])
             count[0] += 1
             count[1] += entry.get("milliseconds") or 0.0
-        else:
+        elif kind != "nodes":
             pending.append((kind, entry.get("text", "")))
     log.rows = [images[index] for index in sorted(images)]
     log.events += [(log.rows[-1].arrived if log.rows else 0, *event) for event in pending]
