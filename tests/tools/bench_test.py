@@ -69,6 +69,26 @@ class Arithmetic(unittest.TestCase):
         self.assertIsNone(arithmetic.seconds_at(samples, 21))
 
 
+    def test_amdahls_law_is_found_again(self):
+        for serial in (0.0, 0.1, 0.5):
+            times = {threads: 100 * (serial + (1 - serial) / threads) for threads in (1, 2, 4, 16)}
+            self.assertAlmostEqual(arithmetic.amdahl_fit(times), serial)
+            for threads, _, speed_up, efficiency, fraction in arithmetic.scaling_rows(times)[1:]:
+                self.assertAlmostEqual(fraction, serial)
+                self.assertAlmostEqual(efficiency, speed_up / threads)
+                self.assertAlmostEqual(speed_up, times[1] / times[threads])
+
+    def test_one_thread_says_nothing_about_more(self):
+        self.assertIsNone(arithmetic.amdahl_fit({1: 10.0}))
+        self.assertEqual(arithmetic.scaling_rows({1: 10.0}), [(1, 10.0, 1.0, 1.0, None)])
+
+    def test_threads_double_up_to_the_machines(self):
+        self.assertEqual(arithmetic.thread_counts(1), [1])
+        self.assertEqual(arithmetic.thread_counts(2), [1, 2])
+        self.assertEqual(arithmetic.thread_counts(6), [1, 2, 4, 6])
+        self.assertEqual(arithmetic.thread_counts(16), [1, 2, 4, 8, 16])
+
+
 class Sessions(unittest.TestCase):
     def test_growth_is_that_of_the_asked_windows(self):
         points = [(image, 2.0 if image > 500 else 1.0) for image in range(1, 601)]
@@ -177,6 +197,10 @@ elif words[0] == "run":
     value("--session").mkdir()
     value("--log").write_text("".join(json.dumps(dict(event="image", index=i + 1, latency_ms=250.0 + i,
         placed=(i + 1 if i >= 2 else 0))) + "\\n" for i in range(len(names))))
+    threads = int(words[words.index("--threads") + 1]) if "--threads" in words else 1
+    node = dict(node="solve", runs=2, busy_s=6.0, waiting_s=1.0, starved_s=3.0, work_s=9.0, queued_s=1.0)
+    with value("--log").open("a") as log:
+        print(json.dumps(dict(event="nodes", seconds=10.0, threads=threads, nodes=[node])), file=log)
 elif words[0] == "status":
     print(json.dumps(dict(placed=4)))
 elif words[0] == "evaluate":
@@ -187,9 +211,9 @@ else:
 
 
 class Command(Folder):
-    def run_tool(self, *arguments):
+    def run_tool(self, *arguments, tool="run"):
         environment = {**os.environ, "PSFM_DATASETS": str(self.folder)}
-        done = subprocess.run([sys.executable, TOOL / "run", *map(str, arguments)], env=environment,
+        done = subprocess.run([sys.executable, TOOL / tool, *map(str, arguments)], env=environment,
                               capture_output=True, text=True, check=False)
         return done.returncode, done.stdout, done.stderr
 
@@ -248,6 +272,21 @@ class Command(Folder):
         self.assertEqual(self.run_tool("--redraw", "--output", output)[0], 0)
         self.assertEqual((output / "performance.md").read_text(), written)
         self.assertTrue((output / "performance/session-castle-P19.svg").exists())
+
+    def test_scaling_shows_speed_up_and_nodes(self):
+        psfm = self.install("fountain-P11")
+        code, shown, errors = self.run_tool("--scenes", "fountain-P11", "--threads", 3, "--repeats", 2, "--psfm", psfm,
+                                            "--work", self.folder / "work", tool="scaling")
+        self.assertEqual(code, 0, errors)
+        record = json.loads((self.folder / "work/performance/scaling.json").read_text())
+        runs = record["result"]["fountain-P11"]["runs"]
+        self.assertEqual({threads: len(rounds) for threads, rounds in runs.items()}, {"1": 2, "3": 2})
+        self.assertEqual(runs["3"][1]["nodes"]["threads"], 3)
+        self.assertIn("| solve | 2 | 60 | 10 | 30 | 9.0 | 500 |", shown)
+        self.assertIn("on 3 threads; busiest: solve", shown)
+        self.assertIn("## Threads", (self.folder / "work/performance.md").read_text())
+        ElementTree.parse(self.folder / "work/performance/scaling-fountain-P11.svg")
+        self.assertEqual(self.run_tool("--threads", 0, tool="scaling")[0], 2)
 
     def test_a_trial_stays_out_of_the_documentation(self):
         psfm = self.install("fountain-P11")

@@ -18,5 +18,6 @@ def node_table(event):
                                                            for key in ("busy_s", "waiting_s", "starved_s")),
                      number(node["work_s"], 1), number(1000 * node["queued_s"] / max(node["runs"], 1))])
     head = ["node", "runs", "busy [%]", "waiting [%]", "starved [%]", "work [s]", "an input waited [ms]"]
-    return (f"Nodes of the flow graph over {number(whole, 1)} s on {event['threads']} threads; busiest: "
-            f"{bottleneck(event)}.\n\n" + table(head, rows))
+    threads = f"{event['threads']} thread{'s' if event['threads'] > 1 else ''}"
+    return (f"Nodes of the flow graph over {number(whole, 1)} s on {threads}; busiest: {bottleneck(event)}.\n\n"
+            + table(head, rows))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import over_session
 import peers
 import simulated
+import thread_scaling
 
 
 def no_plots(_result):
@@ -34,6 +35,8 @@ PARTS = (
          simulated.measure, simulated.section, simulated.plots),
     Part("first-model", "The first model", "images needed and seconds, Strecha's scenes", over_session.measure_first,
          over_session.first_section),
+    Part("scaling", "Threads", "quad-streams (--scenes …) on 1, 2, 4, … threads, and what each node of the flow graph "
+         "did", thread_scaling.measure, thread_scaling.section, thread_scaling.plots),
 )
 
 
