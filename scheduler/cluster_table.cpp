@@ -124,6 +124,22 @@ void ClusterTable::make_dirty(ClusterEntry& entry) const {
     }
 }
 
+std::optional<ClusterId> ClusterTable::take_from_host(ImageId guest) {
+    const auto known = host_of_.find(guest);
+    if (known == host_of_.end()) return std::nullopt;
+    const ClusterId host = known->second;
+    host_of_.erase(known);
+    if (const auto left = entries_.find(host); left != entries_.end())
+        std::erase(left->second.guests, guest);
+    return host;
+}
+
+void ClusterTable::give_to_host(ImageId guest, ClusterId host) {
+    host_of_[guest] = host;
+    std::vector<ImageId>& guests = entries_.at(host).guests;
+    guests.insert(std::ranges::lower_bound(guests, guest), guest);
+}
+
 std::vector<ClusterId> ClusterTable::set_hosts(
     std::span<const std::pair<ImageId, std::optional<ClusterId>>> hosts) {
     std::set<ClusterId> changed;
@@ -131,24 +147,45 @@ std::vector<ClusterId> ClusterTable::set_hosts(
         const auto known = host_of_.find(image);
         const std::optional<ClusterId> before =
             known == host_of_.end() ? std::nullopt : std::optional(known->second);
-        if (before == host) continue;
-        if (before) {
-            host_of_.erase(known);
-            if (const auto left = entries_.find(*before); left != entries_.end()) {
-                std::erase(left->second.guests, image);
-                changed.insert(*before);
-            }
-        }
+        const bool was_adopted = home_of_adopted_.erase(image) > 0;
+        if (before == host && !was_adopted) continue;
+        if (const auto left = take_from_host(image); left && entries_.contains(*left))
+            changed.insert(*left);
         if (host) {
-            host_of_[image] = *host;
-            std::vector<ImageId>& guests = entries_.at(*host).guests;
-            guests.insert(std::ranges::lower_bound(guests, image), image);
+            give_to_host(image, *host);
             changed.insert(*host);
+        } else if (was_adopted) {
+            changed.insert(cluster_of_[index_of(image)]);
         }
     }
     std::vector<ClusterId> dirty(changed.begin(), changed.end());
     make_dirty(dirty);
     return dirty;
+}
+
+void ClusterTable::adopt(ImageId image, ClusterId host) {
+    take_from_host(image);
+    give_to_host(image, host);
+    home_of_adopted_[image] = cluster_of_[index_of(image)];
+    make_dirty(std::span(&host, 1));
+}
+
+bool ClusterTable::stays_adopted(ImageId image) const {
+    const auto home = home_of_adopted_.find(image);
+    if (home == home_of_adopted_.end() || cluster_of_[index_of(image)] != home->second)
+        return false;
+    const auto host = entries_.find(host_of_.at(image));
+    if (host == entries_.end() || host->second.members.size() < mu_min_) return false;
+    const ClusterEntry& entry = host->second;
+    const bool is_placed = has_model(entry.model) && entry.model->find(image) != nullptr;
+    return is_placed || entry.phase != ClusterPhase::kClean;
+}
+
+std::vector<ImageId> ClusterTable::adopted_by(const ClusterEntry& entry) const {
+    std::vector<ImageId> adopted;
+    std::ranges::copy_if(entry.guests, std::back_inserter(adopted),
+                         [&](ImageId image) { return is_adopted(image); });
+    return adopted;
 }
 
 std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters) const {
@@ -242,9 +279,13 @@ void ClusterTable::end_restore() {
 }
 
 void ClusterTable::restore_host(ImageId guest, ClusterId host) {
-    host_of_[guest] = host;
-    std::vector<ImageId>& guests = entries_.at(host).guests;
-    guests.insert(std::ranges::lower_bound(guests, guest), guest);
+    give_to_host(guest, host);
+}
+
+void ClusterTable::restore_adopted(ImageId guest, ClusterId host) {
+    take_from_host(guest);
+    give_to_host(guest, host);
+    home_of_adopted_[guest] = cluster_of_[index_of(guest)];
 }
 
 void ClusterTable::restore(ClusterEntry entry) {

@@ -32,7 +32,8 @@ struct RecycledModel {
 struct ClusterEntry {
     ClusterId id{};
     std::vector<ImageId> members;  ///< ascending
-    /// Images of clusters below mu_min that are tried against this one (host_cluster), ascending.
+    /// Images of other clusters that are tried against this one: their own is below mu_min
+    /// (host_cluster), or could not place them (ClusterTable::adopt). Ascending.
     std::vector<ImageId> guests;
     ClusterPhase phase = ClusterPhase::kClean;
     std::uint32_t topology = 0;                   ///< counts changes of membership, from 1
@@ -80,9 +81,19 @@ class ClusterTable {
     void make_dirty(std::span<const ClusterId> clusters);
 
     /// Who is tried where from now on: an image and its host; nothing: it belongs to its own
-    /// cluster only. Clusters that get or lose a guest become dirty. @return these, ascending
+    /// cluster only. Clusters that get or lose a guest become dirty, and the own cluster of an
+    /// image that was adopted. @return these, ascending
     std::vector<ClusterId> set_hosts(
         std::span<const std::pair<ImageId, std::optional<ClusterId>>> hosts);
+    /// Makes an image that the cluster which tries it could not place a guest of another one, which
+    /// becomes dirty. REQUIRES: the host is another cluster than of(image), of mu_min images
+    void adopt(ImageId image, ClusterId host);
+    bool is_adopted(ImageId image) const { return home_of_adopted_.contains(image); }
+    /// Whether an adopted image is to stay where it is when something changed around it: it has its
+    /// place there or is being tried, and is still a member of the cluster that it came from.
+    bool stays_adopted(ImageId image) const;
+    /// The adopted ones among a cluster's guests, ascending.
+    std::vector<ImageId> adopted_by(const ClusterEntry& entry) const;
     /// Guests of these clusters.
     std::vector<ImageId> guests_of(std::span<const ClusterId> clusters) const;
 
@@ -112,6 +123,9 @@ class ClusterTable {
     void restore(ClusterEntry entry);
     /// A guest as it was; changes nothing else. REQUIRES: the host was restored
     void restore_host(ImageId guest, ClusterId host);
+    /// The same of an adopted image, which may have had another host before. REQUIRES: all clusters
+    /// were restored
+    void restore_adopted(ImageId guest, ClusterId host);
     /// Leaves of the restored models what their clusters place. REQUIRES: all hosts were restored,
     /// since a model holds the guests of its cluster
     void end_restore();
@@ -119,6 +133,9 @@ class ClusterTable {
   private:
     void make_dirty(ClusterEntry& entry) const;
     bool keep_members(ClusterEntry& entry) const;
+    /// @return the host that it had
+    std::optional<ClusterId> take_from_host(ImageId guest);
+    void give_to_host(ImageId guest, ClusterId host);
     std::map<ClusterId, std::vector<RecycledModel>> moving_models(const ClusteringEdit& edit) const;
     std::optional<RecycledModel> arriving_part(const RecycledModel& source,
                                                const ClusterEntry& entry) const;
@@ -126,7 +143,8 @@ class ClusterTable {
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;
     std::vector<ClusterId> cluster_of_;
-    std::map<ImageId, ClusterId> host_of_;  // of guests
+    std::map<ImageId, ClusterId> host_of_;          // of guests
+    std::map<ImageId, ClusterId> home_of_adopted_;  // their own cluster when they were adopted
     std::uint32_t coalesced_ = 0;
 };
 

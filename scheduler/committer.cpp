@@ -188,6 +188,7 @@ std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
     std::vector<std::pair<ImageId, std::optional<ClusterId>>> hosts;
     for (const ImageId image :
          images_to_host_again(state_.view_graph, state_.clustering, changed, mu_min)) {
+        if (state_.clusters.stays_adopted(image)) continue;
         hosts.emplace_back(image,
                            host_cluster(state_.view_graph, state_.clustering, image, mu_min));
     }
@@ -279,8 +280,7 @@ void Committer::advance(CommitOutput& output) {
     // timing.
     const bool all_published =
         state_.pending.empty() && !state_.clusters.busy() && !changed_ && !merging_;
-    if (ended && all_published && !settled_) {
-        settled_ = true;
+    if (ended && all_published) {
         for (const ClusterEntry* entry : state_.clusters.take_unsettled())
             output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
     }
@@ -291,7 +291,9 @@ void Committer::advance(CommitOutput& output) {
     if (due) {
         changed_ = false;
         merging_ = true;
-        output.merge = MergeMessage{make_merge_problem(state_)};
+        output.merge = MergeMessage{
+            make_merge_problem(state_),
+            std::make_shared<std::vector<UnplacedImage>>(unplaced_images(state_, config_))};
     }
     const bool caught_up = !state_.clusters.busy() && !changed_ && !merging_;
     if (catching_up_ && (caught_up || !config_.deterministic)) {
@@ -317,6 +319,7 @@ StoredCluster Committer::stored(const ClusterEntry& entry) const {
     cluster.solved_topology = entry.solved_topology;
     cluster.revision = entry.revision;
     cluster.transfer_topology = entry.transfer_topology;
+    cluster.adopted = state_.clusters.adopted_by(entry);
     for (const RecycledModel& recycled : entry.material) {
         if (recycled.cluster != entry.id)
             cluster.recycled.push_back({recycled.cluster, recycled.revision});

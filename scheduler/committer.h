@@ -60,6 +60,9 @@ class Committer {
     std::vector<ClusterId> clusters_resting_on(std::span<const ImagePair> removed,
                                                const std::set<ClusterId>& except) const;
     void advance(CommitOutput& output);
+    /// Images that have their place in a merged model move to the clusters that will place them.
+    /// @return clusters that got one
+    std::vector<ClusterId> adopt(const MergedMessage& message);
     void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
     /// To the log, and to `status`.
     void tell(SessionEvent event);
@@ -75,7 +78,6 @@ class Committer {
     std::uint32_t images_released_ = 0;
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_expected_;  // known once no photograph will follow
-    bool settled_ = false;                          // the settling solves were sent out
     bool merging_ = false;                          // one merge in flight at most
     bool changed_ = false;                          // something is to be merged and published
     bool catching_up_ = false;                      // an image token is held for that

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scheduler/committer.h"
+#include "scheduler/describe_events.h"
 #include "scheduler/encode_state.h"
 
 namespace psfm {
@@ -20,7 +21,7 @@ double milliseconds_since(Clock::time_point start) {
 Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     merging_ = false;
     if (!message.result->ok()) return message.result->error();
-    const MergeResult& merged = message.result->value();
+    const MergeResult& merged = message.result->value().merge;
     auto scene = std::make_shared<Scene>();
     scene->version = state_.scene->version + 1;
     scene->image_count = state_.verified;
@@ -50,13 +51,16 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
                                              shown->world_from_cluster, shown->effective_cluster});
         scene->clusters.push_back(std::move(shown));
     }
+    std::vector<StoredCluster> adopting;
+    for (const ClusterId id : adopt(message))
+        adopting.push_back(stored(state_.clusters.entries().at(id)));
     count(*scene);
     stored_version.version = scene->version;
     stored_version.image_count = scene->image_count;
     stored_version.effective_clusters = scene->effective_clusters;
     stored_version.summary_json = encode_summary(
         {state_.counts, waiting_images(state_, options_.solve.mu_min), state_.past_events});
-    if (const auto stored = store_->commit_scene(stored_version); !stored.ok()) return stored;
+    if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok()) return done;
     state_.constraints = merged.constraints;
     state_.scene = scene;
     PublishMessage publish;
@@ -65,6 +69,28 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     report_published(*message.problem, message.merge_ms, publish);
     output.publish = std::move(publish);
     return {};
+}
+
+std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
+    std::vector<ClusterId> hosts;
+    for (const Adoption& adoption : message.result->value().adoptions) {
+        const auto tried =
+            std::ranges::lower_bound(*message.unplaced, adoption.image, {}, &UnplacedImage::id);
+        const ClusterEntry& own = state_.clusters.of(adoption.image);
+        const auto host = state_.clusters.entries().find(adoption.host);
+        // What was found may be outdated: then the next merge tries again.
+        const bool is_current = own.id == tried->tried_by && own.phase == ClusterPhase::kClean &&
+                                (!own.model || own.model->find(adoption.image) == nullptr) &&
+                                host != state_.clusters.entries().end() &&
+                                host->second.members.size() >= options_.solve.mu_min;
+        if (!is_current) continue;
+        tell(describe_adoption(adoption, own.id, state_.images[index_of(adoption.image)].name));
+        state_.clusters.adopt(adoption.image, adoption.host);
+        hosts.push_back(adoption.host);
+    }
+    std::ranges::sort(hosts);
+    hosts.erase(std::unique(hosts.begin(), hosts.end()), hosts.end());
+    return hosts;
 }
 
 void Committer::count(const Scene& scene) {
@@ -84,6 +110,9 @@ void Committer::count(const Scene& scene) {
 
 void Committer::report_published(const MergeProblem& problem, double merge_ms,
                                  PublishMessage& publish) {
+    // A deterministic session takes the next image when all clusters are at rest: an image that was
+    // adopted just now is still on its way.
+    if (config_.deterministic && state_.clusters.busy()) return;
     for (auto& [index, pending] : state_.pending) {
         if (pending.published || !pending.verified) continue;
         const ClusterEntry& entry = state_.clusters.of(static_cast<ImageId>(index));

@@ -94,6 +94,22 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     return event;
 }
 
+SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const std::string& name) {
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kAdopt;
+    event.images = {name};
+    event.clusters = {index_of(adoption.host), index_of(from)};
+    event.text =
+        name + ", which cluster " + std::to_string(index_of(from)) +
+        " could not place, has its place in the merged model: " + std::to_string(adoption.inliers) +
+        " points agree, most of them of cluster " + std::to_string(index_of(adoption.host)) +
+        ", which adds it";
+    event.detail_json =
+        nlohmann::json{{"inliers", adoption.inliers}, {"inliers_of_host", adoption.inliers_of_host}}
+            .dump();
+    return event;
+}
+
 SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterSolution>& outcome,
                             const ClusterSolution& solution, bool published) {
     const SolveStatistics& statistics = solution.statistics;

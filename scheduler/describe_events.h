@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "graph/image.h"
 #include "graph/result.h"
@@ -18,6 +19,9 @@ SessionEvent describe_change(const ClusterChange& change);
 /// @param images  of the session, by id
 SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution& solution,
                             std::span<const Image> images);
+
+/// An image that `from` could not place goes to another cluster.
+SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const std::string& name);
 
 /// @param outcome    as the solve stage returned it: an error is told
 /// @param solution   what was made of it

@@ -46,6 +46,8 @@ const char* name_of(SessionEvent::Kind kind) {
             return "reset";
         case SessionEvent::Kind::kTransfer:
             return "transfer";
+        case SessionEvent::Kind::kAdopt:
+            return "adopt";
         case SessionEvent::Kind::kSolve:
             return "solve";
     }

@@ -96,4 +96,34 @@ std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state
     return problem;
 }
 
+std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config) {
+    std::vector<UnplacedImage> unplaced;
+    for (const auto& [id, entry] : state.clusters.entries()) {
+        if (entry.phase != ClusterPhase::kClean || entry.revision == 0) continue;
+        for (const ImageId image_id : state.clusters.images_of(entry)) {
+            if (entry.model && entry.model->find(image_id) != nullptr) continue;
+            if (state.clusters.is_adopted(image_id)) continue;
+            const Image& image = state.images[index_of(image_id)];
+            UnplacedImage candidate{image_id,
+                                    id,
+                                    image.camera,
+                                    state.cameras.at(image.camera),
+                                    config.fix_intrinsics,
+                                    config.seed ^ image.metadata.content_hash,
+                                    state.keypoints[index_of(image_id)],
+                                    {}};
+            bool elsewhere = false;
+            for (const ViewGraph::Edge& edge : state.view_graph.edges(image_id)) {
+                const ClusterEntry& other = state.clusters.of(edge.neighbor);
+                if (!other.model || other.model->find(edge.neighbor) == nullptr) continue;
+                candidate.edges.push_back({edge.pair, other.id});
+                elsewhere = elsewhere || other.id != id;
+            }
+            if (elsewhere) unplaced.push_back(std::move(candidate));
+        }
+    }
+    std::ranges::sort(unplaced, {}, &UnplacedImage::id);
+    return unplaced;
+}
+
 }  // namespace psfm

@@ -8,6 +8,7 @@
 #include "scheduler/session_state.h"
 #include "stages/merge/run_merge.h"
 #include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/find_adoptions.h"
 
 namespace psfm {
 
@@ -20,5 +21,10 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
 
 /// All clusters with the view graph's edges between placed images of different ones.
 std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state);
+
+/// Images that a solved cluster could not place and that have edges to what other clusters place:
+/// to be tried against the merged model, ascending. Not those that were adopted already: they stay
+/// with their host until something changes around them.
+std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config);
 
 }  // namespace psfm

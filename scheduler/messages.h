@@ -18,6 +18,7 @@
 #include "stages/features/run_features.h"
 #include "stages/merge/run_merge.h"
 #include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/find_adoptions.h"
 
 namespace psfm {
 
@@ -81,11 +82,18 @@ struct SolvedMessage {
 
 struct MergeMessage {
     std::shared_ptr<const MergeProblem> problem;
+    /// To be tried against the merged model, ascending.
+    std::shared_ptr<const std::vector<UnplacedImage>> unplaced;
 };
 
 struct MergedMessage {
     std::shared_ptr<const MergeProblem> problem;
-    std::shared_ptr<const Result<MergeResult>> result;
+    std::shared_ptr<const std::vector<UnplacedImage>> unplaced;
+    struct Outcome {
+        MergeResult merge;
+        std::vector<Adoption> adoptions;
+    };
+    std::shared_ptr<const Result<Outcome>> result;
     double merge_ms = 0.0;
 };
 
@@ -117,7 +125,7 @@ struct ImageReport {
 
 /// Something that happened to a cluster or a photograph, for people.
 struct SessionEvent {
-    enum class Kind : std::uint8_t { kRejected, kJoin, kSplit, kReset, kTransfer, kSolve };
+    enum class Kind : std::uint8_t { kRejected, kJoin, kSplit, kReset, kTransfer, kAdopt, kSolve };
     Kind kind{};
     std::string text;                 ///< one sentence
     std::vector<std::string> images;  ///< names concerned, at most a few

@@ -106,6 +106,9 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
             host_cluster(state.view_graph, state.clustering, image, options.solve.mu_min);
         if (host) state.clusters.restore_host(image, *host);
     }
+    for (const StoredCluster& stored : *clusters) {
+        for (const ImageId image : stored.adopted) state.clusters.restore_adopted(image, stored.id);
+    }
     state.clusters.end_restore();
     return {};
 }

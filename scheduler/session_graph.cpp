@@ -198,11 +198,18 @@ CommitInput SessionGraph::Nodes::solve(const SolveMessage& message) const {
 }
 
 CommitInput SessionGraph::Nodes::merge_clusters(const MergeMessage& message) const {
-    MergedMessage merged{message.problem, nullptr, 0.0};
+    MergedMessage merged{message.problem, message.unplaced, nullptr, 0.0};
     if (stopped()) return merged;
     const auto start = Clock::now();
-    merged.result = std::make_shared<const Result<MergeResult>>(guarded<MergeResult>(
-        "merge", [&] { return run_merge(*message.problem, parts.options->merge); }));
+    using Outcome = MergedMessage::Outcome;
+    merged.result =
+        std::make_shared<const Result<Outcome>>(guarded<Outcome>("merge", [&]() -> Result<Outcome> {
+            auto merge_result = run_merge(*message.problem, parts.options->merge);
+            if (!merge_result.ok()) return merge_result.error();
+            auto adoptions = find_adoptions(*message.problem, *merge_result, *message.unplaced,
+                                            parts.options->solve);
+            return Outcome{*std::move(merge_result), std::move(adoptions)};
+        }));
     merged.merge_ms = milliseconds_since(start);
     return merged;
 }

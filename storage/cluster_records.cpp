@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/cluster_records.h"
 
+#include <algorithm>
+
 #include "storage/compact_list.h"
 #include "storage/flat_payload.h"
 #include "storage/generated/records_generated.h"
@@ -12,6 +14,12 @@ namespace {
 const char* problem_of(const StoredCluster& cluster) {
     if (cluster.members.empty()) return "cluster has no members";
     if (!strictly_ascending(cluster.members)) return "cluster members are not ascending";
+    if (!strictly_ascending(cluster.adopted)) return "adopted images are not ascending";
+    if (std::ranges::any_of(cluster.adopted, [&](ImageId image) {
+            return std::ranges::binary_search(cluster.members, image);
+        })) {
+        return "cluster has adopted a member";
+    }
     if (cluster.solved_topology > cluster.topology ||
         cluster.transfer_topology > cluster.topology) {
         return "cluster was solved for a topology to come";
@@ -36,9 +44,12 @@ Result<std::string> encode_cluster(const ClusterRecord& record) {
     const auto recycled = numbers.empty()
                               ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>()
                               : builder.CreateVector(numbers);
+    const auto adopted = cluster.adopted.empty()
+                             ? flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>>()
+                             : builder.CreateVector(encode_members(cluster.adopted));
     builder.Finish(records::CreateCluster(builder, members, cluster.topology,
                                           cluster.solved_topology, cluster.revision, record.removed,
-                                          cluster.transfer_topology, recycled));
+                                          cluster.transfer_topology, recycled, adopted));
     return finished(builder);
 }
 
@@ -54,6 +65,7 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
                           record->solved_topology(),
                           record->revision(),
                           record->transfer_topology(),
+                          {},
                           {}},
                          record->removed()};
     if (const auto* recycled = record->recycled()) {
@@ -62,6 +74,11 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
             result.cluster.recycled.push_back(
                 {static_cast<ClusterId>(recycled->Get(i)), recycled->Get(i + 1)});
         }
+    }
+    if (const auto* adopted = record->adopted()) {
+        auto images = decode_members(bytes_of(*adopted));
+        if (!images) return damaged_payload("list of adopted images is broken");
+        result.cluster.adopted = std::move(*images);
     }
     if (const char* problem = problem_of(result.cluster)) return damaged_payload(problem);
     return result;

@@ -45,6 +45,7 @@ void RecordCheck::check_completeness() {
 
 void RecordCheck::check_clusters_solved() {
     std::map<ImageId, ClusterId> owner;
+    std::map<ImageId, ClusterId> adopter;
     for (const auto& [id, record] : clusters_) {
         if (record.removed) continue;
         for (const ImageId member : record.cluster.members) {
@@ -52,6 +53,13 @@ void RecordCheck::check_clusters_solved() {
             if (is_new) continue;
             damaged(Family::kClusters, encode_key(id),
                     "image " + std::to_string(index_of(member)) + " is in cluster " +
+                        std::to_string(index_of(other->second)) + " too");
+        }
+        for (const ImageId guest : record.cluster.adopted) {
+            const auto [other, is_new] = adopter.emplace(guest, id);
+            if (is_new) continue;
+            damaged(Family::kClusters, encode_key(id),
+                    "image " + std::to_string(index_of(guest)) + " is adopted by cluster " +
                         std::to_string(index_of(other->second)) + " too");
         }
         const SolutionKey solution{id, record.cluster.revision};

@@ -154,6 +154,12 @@ void RecordCheck::check_cluster(std::string_view key, std::string_view value) {
             damaged(Family::kClusters, key, "its member " + name(member) + " has no pairs record");
         }
     }
+    for (const ImageId guest : record->cluster.adopted) {
+        if (!verified_.contains(guest)) {
+            damaged(Family::kClusters, key,
+                    name(guest) + ", which it has adopted, has no pairs record");
+        }
+    }
     clusters_.emplace(*id, std::move(*record));
 }
 

@@ -66,6 +66,9 @@ struct StoredCluster {
     /// Solutions of other clusters whose parts came along, and that the next solve joins. Kept as
     /// long as solved_topology is below transfer_topology.
     std::vector<SolutionReference> recycled;
+    /// Members of other clusters that could not be placed there and are tried against this one,
+    /// ascending.
+    std::vector<ImageId> adopted;
 };
 
 /// A solution of one cluster, as the solve stage left it.
@@ -176,8 +179,10 @@ class SessionStore : public SessionReader {
     /// Commit point 4: a solution, and its cluster's record (solved_topology, revision).
     virtual Result<void> commit_solution(const StoredSolution& solution,
                                          const StoredCluster& cluster) = 0;
-    /// Commit point 5.
-    virtual Result<void> commit_scene(const StoredSceneVersion& version) = 0;
+    /// Commit point 5: a published version, and the full records of clusters that publishing it
+    /// changed.
+    virtual Result<void> commit_scene(const StoredSceneVersion& version,
+                                      const std::vector<StoredCluster>& changed) = 0;
 };
 
 /// Opens a session for reading beside a busy writer (RocksDB secondary instance).

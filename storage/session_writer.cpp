@@ -206,13 +206,20 @@ Result<void> SessionWriter::check_scene(const StoredSceneVersion& version) const
     return {};
 }
 
-Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version) {
+Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
+                                         const std::vector<StoredCluster>& changed) {
     if (auto checked = check_scene(version); !checked) return checked;
+    // Changes follow from what is committed: from all verified images, of which there are some.
+    const auto latest_image = static_cast<ImageId>(std::max(1U, state_.verified_count) - 1);
+    const auto edited = edited_clusters(latest_image, changed, {});
+    if (!edited) return edited.error();
     const SceneRecord* latest = state_.scene ? &*state_.scene : nullptr;
     SceneRecord record{version, points_kept_by(version, latest, history_)};
     Batch batch(database());
     batch.put(Family::kScenes, RecordKind::kScene,
               encode_key(SceneKey{version.image_count, version.version}), encode_scene(record));
+    for (const auto& [id, cluster] : *edited)
+        batch.put(Family::kClusters, RecordKind::kCluster, encode_key(id), encode_cluster(cluster));
     // Solutions that are no longer candidates: dropped now, or kept for good by this version.
     std::vector<SolutionKey> settled;
     if (history_ == History::kFull) {
@@ -230,6 +237,7 @@ Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version) {
     }
     if (auto written = write(batch); !written) return written;
     state_.scene = std::move(record);
+    for (const auto& [id, cluster] : *edited) state_.clusters.insert_or_assign(id, cluster);
     for (const SolutionKey& key : settled) state_.superseded.erase(key);
     return {};
 }

@@ -41,7 +41,8 @@ class SessionWriter final : public ReaderOf<SessionStore> {
                               const std::vector<ClusterId>& removed) override;
     Result<void> commit_solution(const StoredSolution& solution,
                                  const StoredCluster& cluster) override;
-    Result<void> commit_scene(const StoredSceneVersion& version) override;
+    Result<void> commit_scene(const StoredSceneVersion& version,
+                              const std::vector<StoredCluster>& changed) override;
 
     /// History::kNone on a session that kept more: drops all but the latest version.
     Result<void> drop_history();

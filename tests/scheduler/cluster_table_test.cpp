@@ -4,65 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scheduler/made_up_clusters.h"
+
 namespace psfm {
 namespace {
 
-constexpr std::uint32_t kMuMin = 3;
-
-ImageId image(std::uint32_t i) {
-    return static_cast<ImageId>(i);
-}
-ClusterId cluster(std::uint32_t i) {
-    return static_cast<ClusterId>(i);
-}
-
-std::vector<ImageId> images(std::initializer_list<std::uint32_t> ids) {
-    std::vector<ImageId> out;
-    for (const std::uint32_t id : ids) out.push_back(image(id));
-    return out;
-}
-
-ClusteringEdit members(std::uint32_t id, std::initializer_list<std::uint32_t> ids) {
-    ClusteringEdit edit;
-    edit.changed.push_back({cluster(id), images(ids)});
-    return edit;
-}
-
-/// What a solve of the entry would return, with all members (or some) placed.
-struct Solve {
-    ClusterProblem problem;
-    ClusterSolution solution;
-};
-Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& placed, bool settle = false) {
-    Solve solve;
-    solve.problem.cluster = solve.solution.cluster = entry.id;
-    solve.problem.topology = solve.solution.topology = entry.topology;
-    solve.problem.settle = settle;
-    auto model = std::make_shared<Reconstruction>();
-    model->cameras[CameraId{}] = Camera{};
-    for (const ImageId id : placed) model->images.push_back({id, CameraId{}, {}});
-    solve.solution.model = model;
-    return solve;
-}
-
-/// The models that the next solve starts from, by the images they place.
-std::vector<std::vector<ImageId>> material_of(const ClusterEntry& entry) {
-    std::vector<std::vector<ImageId>> models;
-    for (const RecycledModel& recycled : entry.material) {
-        models.emplace_back();
-        for (const RegisteredImage& placed : recycled.model->images)
-            models.back().push_back(placed.image);
-    }
-    return models;
-}
-using Models = std::vector<std::vector<ImageId>>;
-
-void solve_dirty(ClusterTable& table) {
-    for (const ClusterEntry* entry : table.take_dirty()) {
-        const Solve solve = solve_of(*entry, table.images_of(*entry));
-        table.finish(solve.problem, solve.solution);
-    }
-}
+using namespace test;
 
 TEST(ClusterTable, SolvesADirtyClusterOnce) {
     ClusterTable table(kMuMin);
@@ -268,79 +215,6 @@ TEST(ClusterTable, SettlesOnce) {
     EXPECT_TRUE(table.take_unsettled().empty());
     table.apply(members(0, {0, 1, 2, 3}));
     EXPECT_EQ(table.take_dirty().size(), 1U);
-}
-
-TEST(ClusterTable, AGuestIsPlacedByItsHost) {
-    ClusterTable table(kMuMin);
-    table.apply(members(0, {0, 1, 2}));
-    table.apply(members(1, {3}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
-    table.finish(solve.problem, solve.solution);
-    using Host = std::pair<ImageId, std::optional<ClusterId>>;
-    EXPECT_EQ(table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}), std::vector{cluster(0)});
-    EXPECT_TRUE(table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}).empty())
-        << "nothing new";
-    EXPECT_EQ(table.of(image(3)).id, cluster(0));
-    EXPECT_EQ(table.images_of(table.entries().at(cluster(0))), images({0, 1, 2, 3}));
-    EXPECT_TRUE(table.images_of(table.entries().at(cluster(1))).empty());
-    const auto dirty = table.take_dirty();
-    ASSERT_EQ(dirty.size(), 1U) << "the host tries its guest";
-    EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})}) << "and keeps what it has";
-    const Solve with_guest = solve_of(*dirty.front(), images({0, 1, 2, 3}));
-    EXPECT_NE(table.finish(with_guest.problem, with_guest.solution), nullptr);
-
-    // The guest's own cluster grows up: the host is solved again without it, and not anew.
-    table.apply(members(1, {3, 4, 5}));
-    EXPECT_EQ(table.set_hosts(std::vector<Host>{{image(3), std::nullopt}}),
-              std::vector{cluster(0)});
-    EXPECT_EQ(table.of(image(3)).id, cluster(1));
-    const auto both = table.take_dirty();
-    ASSERT_EQ(both.size(), 2U);
-    EXPECT_EQ(material_of(*both.front()), Models{images({0, 1, 2, 3})})
-        << "it is left out when the model is loaded";
-    EXPECT_EQ(table.images_of(*both.front()), images({0, 1, 2}));
-}
-
-TEST(ClusterTable, ASplitModelKeepsWhatBecomesItsGuest) {
-    ClusterTable table(kMuMin);
-    table.apply(members(0, {0, 1, 2, 3, 4}));
-    solve_dirty(table);
-    ClusteringEdit split = members(0, {0, 1, 2});
-    split.changed.push_back({cluster(1), images({3})});
-    split.changed.push_back({cluster(2), images({4})});
-    using Host = std::pair<ImageId, std::optional<ClusterId>>;
-    table.apply(split, [&] { table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}); });
-    EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})})
-        << "as a resumed session would find it";
-}
-
-TEST(ClusterTable, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
-    ClusterTable table(kMuMin);
-    ClusterEntry host;
-    host.id = cluster(0);
-    host.members = images({0, 1, 2});
-    host.topology = host.solved_topology = 2;
-    host.revision = 1;
-    const auto model = solve_of(host, images({0, 1, 2, 3})).solution.model;
-    host.model = model;
-    host.material = {{host.id, host.revision, model}};
-    table.restore(host);
-    ClusterEntry small;
-    small.id = cluster(1);
-    small.members = images({3});
-    table.restore(small);
-    table.restore_host(image(3), cluster(0));
-    ClusterEntry other = host;
-    other.id = cluster(2);
-    other.members = images({4, 5, 6});
-    other.model = solve_of(other, images({4, 5, 6, 7})).solution.model;
-    other.material = {{other.id, other.revision, other.model}};
-    table.restore(other);
-    table.end_restore();
-    EXPECT_EQ(table.entries().at(cluster(0)).model, model);
-    EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})});
-    EXPECT_EQ(table.entries().at(cluster(2)).model, nullptr) << "7 stands elsewhere";
-    EXPECT_EQ(material_of(table.entries().at(cluster(2))), Models{images({4, 5, 6})});
 }
 
 TEST(ClusterTable, RestoresDirtyAndCleanClusters) {

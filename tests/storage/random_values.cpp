@@ -182,7 +182,8 @@ bool same(const VerifiedPair& a, const VerifiedPair& b) {
 bool same(const StoredCluster& a, const StoredCluster& b) {
     return a.id == b.id && a.members == b.members && a.topology == b.topology &&
            a.solved_topology == b.solved_topology && a.revision == b.revision &&
-           a.transfer_topology == b.transfer_topology && a.recycled == b.recycled;
+           a.transfer_topology == b.transfer_topology && a.recycled == b.recycled &&
+           a.adopted == b.adopted;
 }
 
 bool same_poses(const Reconstruction& a, const Reconstruction& b) {

@@ -71,7 +71,8 @@ std::vector<Sample> samples() {
         {"pairs", *encode_pairs(ImageId{9}, pairs),
          ignoring_value([](std::string_view p) { return decode_pairs(ImageId{9}, p); })},
         {"cluster",
-         *encode_cluster({{ClusterId{3}, images, 4, 2, 1, 4, {{ClusterId{2}, 7}}}, false}),
+         *encode_cluster(
+             {{ClusterId{3}, images, 4, 2, 1, 4, {{ClusterId{2}, 7}}, {ImageId{900'000}}}, false}),
          ignoring_value([](std::string_view p) { return decode_cluster(ClusterId{3}, p); })},
         {"poses", *encode_poses(model), ignoring_value(decode_poses)},
         {"points", *encode_points(model, "{}"), ignoring_value(decode_points)},
@@ -134,13 +135,17 @@ TEST(RecordCodec, PairsComeBackAlike) {
 TEST(RecordCodec, ClustersComeBackAlike) {
     Rng rng(4);
     for (std::uint32_t count = 1; count < 50; ++count) {
-        const StoredCluster cluster{ClusterId{3},
-                                    testing::random_members(count, rng),
-                                    count + 4,
-                                    count,
-                                    2 * count,
-                                    count % 3,
-                                    std::vector<SolutionReference>(count, {ClusterId{count}, 5})};
+        StoredCluster cluster{ClusterId{3},
+                              testing::random_members(count, rng),
+                              count + 4,
+                              count,
+                              2 * count,
+                              count % 3,
+                              std::vector<SolutionReference>(count, {ClusterId{count}, 5}),
+                              {}};
+        for (std::uint32_t adopted = 0; adopted < count % 4; ++adopted)
+            cluster.adopted.push_back(
+                ImageId{index_of(cluster.members.back()) + 1 + 300 * adopted});
         const auto decoded =
             decode_cluster(ClusterId{3}, *encode_cluster({cluster, count % 2 == 0}));
         ASSERT_TRUE(decoded.ok());
@@ -301,10 +306,12 @@ TEST(RecordCodec, RefusesImpossibleSolutionsClustersAndScenes) {
     EXPECT_TRUE(broken([](Reconstruction& m) { m.points[0].track = m.points[1].track; }));
     EXPECT_TRUE(broken([](Reconstruction& m) { m.points[0].track.back().image = ImageId{99}; }));
 
-    EXPECT_FALSE(encode_cluster({{ClusterId{1}, {}, 1, 0, 0, 0, {}}, false}).ok());
+    EXPECT_FALSE(encode_cluster({{ClusterId{1}, {}, 1, 0, 0, 0, {}, {}}, false}).ok());
     EXPECT_FALSE(
-        encode_cluster({{ClusterId{1}, {ImageId{2}, ImageId{1}}, 1, 0, 0, 0, {}}, false}).ok());
-    EXPECT_FALSE(encode_cluster({{ClusterId{1}, {ImageId{2}}, 1, 2, 0, 0, {}}, false}).ok());
+        encode_cluster({{ClusterId{1}, {ImageId{2}, ImageId{1}}, 1, 0, 0, 0, {}, {}}, false}).ok());
+    EXPECT_FALSE(encode_cluster({{ClusterId{1}, {ImageId{2}}, 1, 2, 0, 0, {}, {}}, false}).ok());
+    const std::vector<ImageId> own{ImageId{2}};
+    EXPECT_FALSE(encode_cluster({{ClusterId{1}, own, 1, 1, 0, 0, {}, own}, false}).ok());
 
     SceneRecord scene = random_scene(rng);
     scene.scene.placements[0].world_from_cluster.scale = 0.0;

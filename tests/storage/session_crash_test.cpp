@@ -50,7 +50,7 @@ TEST(SessionCrash, LosesNothingThatWasAcknowledgedWhenKilled) {
                             .ok());
         }
         if ((*store)->scene()->version < images) {
-            ASSERT_TRUE((*store)->commit_scene(testing::expected_scene(last)).ok());
+            ASSERT_TRUE((*store)->commit_scene(testing::expected_scene(last), {}).ok());
         }
     }
 }

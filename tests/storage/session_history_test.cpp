@@ -91,7 +91,7 @@ TEST(SessionHistory, FindsTheLastVersionWithAtMostSoManyImages) {
     // A second version with the same images, as a later solve publishes it.
     StoredSceneVersion again = testing::expected_scene(4);
     again.version = 6;
-    ASSERT_TRUE(store->commit_scene(again).ok());
+    ASSERT_TRUE(store->commit_scene(again, {}).ok());
     EXPECT_EQ(store->scene_after(4)->version, 4U);
     EXPECT_EQ(store->scene_after(5)->version, 6U);
     EXPECT_EQ(store->scene_after(1000)->version, 6U);
@@ -124,7 +124,7 @@ TEST(SessionHistory, KeepsThePointsOfTheSceneWhileNewerSolutionsWait) {
         EXPECT_EQ(kept_of(*store, 4), Kept::kPoints);
         EXPECT_EQ((*store->solution(ClusterId{0}))->revision,
                   testing::expected_solution(5).revision);
-        ASSERT_TRUE(store->commit_scene(testing::expected_scene(5)).ok());
+        ASSERT_TRUE(store->commit_scene(testing::expected_scene(5), {}).ok());
         EXPECT_EQ(kept_of(*store, 5), Kept::kPoints);
         EXPECT_EQ(count_of(*store, "points"), history == History::kFull ? 4U : 1U);
     }
@@ -167,28 +167,29 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
                     ->commit_image(testing::expected_image(5), testing::expected_camera(),
                                    testing::expected_keypoints(5), {})
                     .ok());
-    ASSERT_TRUE(
-        store
-            ->commit_pairs(ImageId{5}, {}, {{ClusterId{1}, images, 1, 0, 0, 0, {}}}, {ClusterId{0}})
-            .ok());
+    ASSERT_TRUE(store
+                    ->commit_pairs(ImageId{5}, {}, {{ClusterId{1}, images, 1, 0, 0, 0, {}, {}}},
+                                   {ClusterId{0}})
+                    .ok());
     // The version shows the successor, which is not solved yet: the old model is its material.
     StoredSceneVersion scene;
     scene.version = 6;
     scene.image_count = 6;
     scene.placements = {{ClusterId{1}, 0, images, {}, 0}};
-    ASSERT_TRUE(store->commit_scene(scene).ok());
+    ASSERT_TRUE(store->commit_scene(scene, {}).ok());
     ASSERT_TRUE(store->solution(ClusterId{0})->has_value());
     EXPECT_FALSE((*store->solution(ClusterId{0}))->model->points.empty());
 
     testing::Rng rng(3);
     const auto model =
         std::make_shared<const Reconstruction>(testing::random_model(images, 10, rng));
-    ASSERT_TRUE(
-        store->commit_solution({ClusterId{1}, 1, model, ""}, {ClusterId{1}, images, 1, 1, 1, 0, {}})
-            .ok());
+    ASSERT_TRUE(store
+                    ->commit_solution({ClusterId{1}, 1, model, ""},
+                                      {ClusterId{1}, images, 1, 1, 1, 0, {}, {}})
+                    .ok());
     scene.version = 7;
     scene.placements[0].revision = 1;
-    ASSERT_TRUE(store->commit_scene(scene).ok());
+    ASSERT_TRUE(store->commit_scene(scene, {}).ok());
     EXPECT_FALSE(store->solution(ClusterId{0})->has_value());
     EXPECT_EQ(count_of(*store, "points"), 1U);
     // Its poses stay: earlier versions show them.
@@ -210,7 +211,7 @@ TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
     rest.members = {ImageId{0}, ImageId{1}};
     rest.topology += 1;
     const std::vector<ImageId> moved{ImageId{2}, ImageId{3}, ImageId{4}, ImageId{5}};
-    StoredCluster other{ClusterId{1}, moved, 1, 0, 0, 1, {source}};
+    StoredCluster other{ClusterId{1}, moved, 1, 0, 0, 1, {source}, {}};
     ASSERT_TRUE(store->commit_pairs(ImageId{5}, {}, {rest, other}, {}).ok());
 
     testing::Rng rng(4);
@@ -226,7 +227,7 @@ TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
     scene.image_count = 6;
     ASSERT_TRUE(solve(rest));
     scene.placements = {{rest.id, rest.revision, rest.members, {}, 0}};
-    ASSERT_TRUE(store->commit_scene(scene).ok());
+    ASSERT_TRUE(store->commit_scene(scene, {}).ok());
     const auto kept = store->recycled_model(source);
     ASSERT_TRUE(kept.ok() && *kept) << "the new cluster is not solved yet";
     EXPECT_FALSE((*kept)->points.empty());
@@ -234,7 +235,7 @@ TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
     ASSERT_TRUE(solve(other));
     scene.version = 101;
     scene.placements.push_back({other.id, other.revision, other.members, {}, 0});
-    ASSERT_TRUE(store->commit_scene(scene).ok());
+    ASSERT_TRUE(store->commit_scene(scene, {}).ok());
     const auto gone = store->recycled_model(source);
     ASSERT_TRUE(gone.ok());
     EXPECT_EQ(*gone, nullptr);

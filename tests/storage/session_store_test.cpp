@@ -103,6 +103,31 @@ TEST(SessionStore, RemembersRejectedPhotographsUntilTheyAreAccepted) {
     EXPECT_EQ((*rejected)[1].content_hash, 5U);
 }
 
+TEST(SessionStore, AVersionBringsTheClustersThatItChanged) {
+    const TemporaryFolder folder;
+    StoredCluster adopting;
+    {
+        const auto store = open(folder);
+        for (std::uint32_t image = 0; image < 6; ++image)
+            ASSERT_TRUE(testing::commit_all(*store, image));
+        adopting = store->clusters()->front();
+        const ImageId stray = adopting.members.back();
+        adopting.members.pop_back();
+        adopting.adopted = {stray};
+        ++adopting.topology;
+        StoredSceneVersion next = testing::expected_scene(5);
+        ++next.version;
+        StoredCluster foreign = adopting;
+        foreign.members.push_back(ImageId{77});
+        EXPECT_FALSE(store->commit_scene(next, {foreign}).ok()) << "no such image";
+        ASSERT_TRUE(store->commit_scene(next, {adopting}).ok());
+        EXPECT_TRUE(testing::same(store->clusters()->front(), adopting));
+    }
+    const auto again = open(folder);
+    EXPECT_TRUE(testing::same(again->clusters()->front(), adopting));
+    EXPECT_EQ(again->scene()->version, 7U);
+}
+
 TEST(SessionStore, RefusesCommitsOutOfOrder) {
     const TemporaryFolder folder;
     const auto store = open(folder);
@@ -119,12 +144,12 @@ TEST(SessionStore, RefusesCommitsOutOfOrder) {
     EXPECT_TRUE(refused(store->commit_image(image(1), camera, {}, descriptors)));
     EXPECT_TRUE(refused(store->commit_pairs(ImageId{0}, {}, {}, {})));
     EXPECT_TRUE(refused(store->commit_pairs(ImageId{1}, {}, {}, {})));
-    EXPECT_TRUE(refused(store->commit_scene(testing::expected_scene(0))));
-    EXPECT_TRUE(refused(store->commit_scene(testing::expected_scene(1))));
+    EXPECT_TRUE(refused(store->commit_scene(testing::expected_scene(0), {})));
+    EXPECT_TRUE(refused(store->commit_scene(testing::expected_scene(1), {})));
     StoredSceneVersion unknown = testing::expected_scene(0);
     unknown.version = 2;
     unknown.placements[0].revision = 1;
-    EXPECT_TRUE(refused(store->commit_scene(unknown)));
+    EXPECT_TRUE(refused(store->commit_scene(unknown, {})));
     // Nothing of all that is there, and the right commits still work.
     EXPECT_EQ(testing::difference(*store), "");
     EXPECT_TRUE(testing::commit_all(*store, 1));
@@ -140,11 +165,11 @@ TEST(SessionStore, TakesImagesWithoutDescriptorsAndEmptySolutions) {
                     ->commit_image(testing::expected_image(0), testing::expected_camera(),
                                    testing::expected_keypoints(0), {})
                     .ok());
-    const StoredCluster cluster{ClusterId{5}, {ImageId{0}}, 1, 0, 0, 0, {}};
+    const StoredCluster cluster{ClusterId{5}, {ImageId{0}}, 1, 0, 0, 0, {}, {}};
     ASSERT_TRUE(store->commit_pairs(ImageId{0}, {}, {cluster}, {}).ok());
     ASSERT_TRUE(store
                     ->commit_solution({ClusterId{5}, 1, nullptr, "{}"},
-                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1, 0, {}})
+                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1, 0, {}, {}})
                     .ok());
     EXPECT_EQ((*store->descriptors(ImageId{0}))->rows(), 0U);
     ASSERT_TRUE(store->solution(ClusterId{5})->has_value());
@@ -165,7 +190,7 @@ TEST(SessionStore, NeverBringsRemovedClustersBack) {
                                        testing::expected_keypoints(4),
                                        testing::expected_descriptors(4))
                         .ok());
-        const StoredCluster successor{ClusterId{1}, testing::first_images(5), 1, 0, 0, 0, {}};
+        const StoredCluster successor{ClusterId{1}, testing::first_images(5), 1, 0, 0, 0, {}, {}};
         ASSERT_TRUE(
             store->commit_pairs(ImageId{4}, testing::expected_pairs(4), {successor}, {ClusterId{0}})
                 .ok());

@@ -118,7 +118,7 @@ bool commit_all(SessionStore& store, std::uint32_t image) {
             return false;
         }
     }
-    return store.commit_scene(expected_scene(image)).ok();
+    return store.commit_scene(expected_scene(image), {}).ok();
 }
 
 namespace {

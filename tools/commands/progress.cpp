@@ -44,6 +44,7 @@ void Progress::on_publish(const PublishMessage& publish) {
             case SessionEvent::Kind::kJoin:
             case SessionEvent::Kind::kSplit:
             case SessionEvent::Kind::kTransfer:
+            case SessionEvent::Kind::kAdopt:
                 if (terminal_) say(event.text);
                 break;
             case SessionEvent::Kind::kSolve:

@@ -117,7 +117,7 @@ class SessionCommands : public testing::Test {
         }
         model->points.push_back(point);
         StoredCluster cluster{
-            placement.cluster, placement.members, revision, revision, revision, 0, {}};
+            placement.cluster, placement.members, revision, revision, revision, 0, {}, {}};
         EXPECT_TRUE(
             store_->commit_solution({placement.cluster, revision, model, "{}"}, cluster).ok());
         return placement;
@@ -131,7 +131,7 @@ class SessionCommands : public testing::Test {
         scene.effective_clusters = placements.empty() ? 0 : 1;
         scene.placements = std::move(placements);
         scene.summary_json = "{}";
-        const auto committed = store_->commit_scene(scene);
+        const auto committed = store_->commit_scene(scene, {});
         ASSERT_TRUE(committed.ok()) << committed.error().message;
     }
 

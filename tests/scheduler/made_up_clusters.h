@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <vector>
+
+#include "scheduler/cluster_table.h"
+
+/// Short words for clusters and solves that are made up.
+namespace psfm::test {
+
+constexpr std::uint32_t kMuMin = 3;
+
+inline ImageId image(std::uint32_t i) {
+    return static_cast<ImageId>(i);
+}
+inline ClusterId cluster(std::uint32_t i) {
+    return static_cast<ClusterId>(i);
+}
+
+inline std::vector<ImageId> images(std::initializer_list<std::uint32_t> ids) {
+    std::vector<ImageId> out;
+    for (const std::uint32_t id : ids) out.push_back(image(id));
+    return out;
+}
+
+inline ClusteringEdit members(std::uint32_t id, std::initializer_list<std::uint32_t> ids) {
+    ClusteringEdit edit;
+    edit.changed.push_back({cluster(id), images(ids)});
+    return edit;
+}
+
+/// What a solve of the entry would return, with all members (or some) placed.
+struct Solve {
+    ClusterProblem problem;
+    ClusterSolution solution;
+};
+inline Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& placed, bool settle = false) {
+    Solve solve;
+    solve.problem.cluster = solve.solution.cluster = entry.id;
+    solve.problem.topology = solve.solution.topology = entry.topology;
+    solve.problem.settle = settle;
+    auto model = std::make_shared<Reconstruction>();
+    model->cameras[CameraId{}] = Camera{};
+    for (const ImageId id : placed) model->images.push_back({id, CameraId{}, {}});
+    solve.solution.model = model;
+    return solve;
+}
+
+/// The models that the next solve starts from, by the images they place.
+inline std::vector<std::vector<ImageId>> material_of(const ClusterEntry& entry) {
+    std::vector<std::vector<ImageId>> models;
+    for (const RecycledModel& recycled : entry.material) {
+        models.emplace_back();
+        for (const RegisteredImage& placed : recycled.model->images)
+            models.back().push_back(placed.image);
+    }
+    return models;
+}
+using Models = std::vector<std::vector<ImageId>>;
+
+inline void solve_dirty(ClusterTable& table) {
+    for (const ClusterEntry* entry : table.take_dirty()) {
+        const Solve solve = solve_of(*entry, table.images_of(*entry));
+        table.finish(solve.problem, solve.solution);
+    }
+}
+
+}  // namespace psfm::test

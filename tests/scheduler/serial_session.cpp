@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/scheduler/serial_session.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <iterator>
+
+#include "stages/merge/run_merge.h"
+#include "stages/reconstruction/solve_cluster.h"
+
+namespace psfm::test {
+namespace {
+
+SessionConfig config_of(const synthetic::SyntheticScene& scene) {
+    SessionConfig config;
+    config.deterministic = true;
+    config.fix_intrinsics = true;
+    for (std::size_t i = 0; i < scene.images.size(); ++i) {
+        const CameraId camera = scene.images[i].camera;
+        config.given_cameras[std::to_string(i)] = {std::to_string(index_of(camera)),
+                                                   scene.cameras.at(camera)};
+    }
+    return config;
+}
+
+ExtractedMessage extracted(const synthetic::SyntheticScene& scene, std::size_t index,
+                           std::uint64_t sequence) {
+    const synthetic::SceneImage& image = scene.images[index];
+    const Camera& camera = scene.cameras.at(image.camera);
+    ExtractedPhoto photo;
+    photo.metadata.width = camera.width;
+    photo.metadata.height = camera.height;
+    photo.metadata.content_hash = 1000 + index;
+    photo.keypoints = image.keypoints;
+    photo.descriptors.values.resize(image.keypoints.size() * Descriptors::kSize);
+    return {sequence,
+            {"", std::to_string(index)},
+            Clock::now(),
+            std::make_shared<const Result<ExtractedPhoto>>(std::move(photo)),
+            0.0};
+}
+
+}  // namespace
+
+SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
+                             const std::vector<VerifiedPairPtr>& pairs)
+    : scene_(&scene), pairs_(&pairs) {
+    const SessionConfig config = config_of(scene);
+    options_ = *stage_options(config);
+    auto restored = restore_session(store, config, options_);
+    EXPECT_TRUE(restored.ok());
+    std::vector<CommitInput> messages{CatchUp{}};
+    for (const AcceptedImagePtr& image : restored->unverified)
+        messages.emplace_back(ResumedImage{image});
+    committer_ =
+        std::make_unique<Committer>(store, config, options_, std::move(restored->state));
+    EXPECT_TRUE(run(std::move(messages), kAll));
+}
+
+CommitInput SerialSession::verified(ImageId image) const {
+    std::vector<VerifiedPairPtr> own;
+    std::ranges::copy_if(*pairs_, std::back_inserter(own),
+                         [&](const VerifiedPairPtr& pair) { return pair->pair.second == image; });
+    return VerifiedMessage{
+        image, std::make_shared<const Result<std::vector<VerifiedPairPtr>>>(std::move(own)), 0.0,
+        0.0};
+}
+
+bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) {
+    std::deque<CommitInput> queue(std::make_move_iterator(messages.begin()),
+                                  std::make_move_iterator(messages.end()));
+    for (; !queue.empty(); queue.pop_front()) {
+        if (at_most-- == 0) return false;
+        auto output = committer_->handle(queue.front());
+        EXPECT_TRUE(output.ok()) << output.error().message;
+        if (!output.ok()) return false;
+        for (const AcceptedImagePtr& accepted : output->accepted)
+            queue.push_back(verified(accepted->image.id));
+        for (const SolveMessage& solve : output->solves) {
+            queue.push_back(SolvedMessage{
+                solve.problem, std::make_shared<const Result<ClusterSolution>>(
+                                   solve_cluster(*solve.problem, options_.solve, nullptr))});
+        }
+        if (output->merge) {
+            auto merged = run_merge(*output->merge->problem, options_.merge);
+            EXPECT_TRUE(merged.ok());
+            auto adoptions = find_adoptions(*output->merge->problem, *merged,
+                                            *output->merge->unplaced, options_.solve);
+            using Outcome = MergedMessage::Outcome;
+            queue.push_back(MergedMessage{output->merge->problem, output->merge->unplaced,
+                                          std::make_shared<const Result<Outcome>>(Outcome{
+                                              *std::move(merged), std::move(adoptions)}),
+                                          0.0});
+        }
+        if (!output->publish) continue;
+        std::ranges::move(output->publish->events, std::back_inserter(events_));
+        for (const ImageReport& report : output->publish->images)
+            reported_.push_back(report.index);
+    }
+    return true;
+}
+
+bool SerialSession::add_image(std::size_t messages) {
+    const std::uint64_t sequence = photos_++;
+    return run({extracted(*scene_, committer_->state().images.size(), sequence)}, messages);
+}
+
+void SerialSession::end() {
+    EXPECT_TRUE(run({EndOfPhotos{photos_}}, kAll));
+}
+
+}  // namespace psfm::test

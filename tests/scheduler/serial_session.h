@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "scheduler/committer.h"
+#include "tests/synthetic/scene.h"
+
+namespace psfm::test {
+
+/// A deterministic session of a synthetic scene: one message after the other, through the committer
+/// and the real stages behind it, with verified pairs instead of photographs.
+class SerialSession {
+  public:
+    /// Goes on where the store ends, and finishes what an earlier process left.
+    /// @param pairs  all of them; an image brings those with earlier ones
+    /// REQUIRES: scene and pairs outlive the session
+    SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
+                  const std::vector<VerifiedPairPtr>& pairs);
+
+    static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
+    /// Takes the next image through all stages; or handles so many messages of it only, like a
+    /// process that is killed then. @return whether it got to the end
+    bool add_image(std::size_t messages = kAll);
+    /// No image will follow: settles the models.
+    void end();
+
+    const SessionState& state() const { return committer_->state(); }
+    const std::vector<SessionEvent>& events() const { return events_; }
+    /// Indices of reported images, in order, counted from 1.
+    const std::vector<std::uint32_t>& reported() const { return reported_; }
+
+  private:
+    bool run(std::vector<CommitInput> messages, std::size_t at_most);
+    CommitInput verified(ImageId image) const;
+
+    const synthetic::SyntheticScene* scene_;
+    const std::vector<VerifiedPairPtr>* pairs_;
+    StageOptions options_;
+    std::unique_ptr<Committer> committer_;
+    std::vector<SessionEvent> events_;
+    std::vector<std::uint32_t> reported_;
+    std::uint64_t photos_ = 0;
+};
+
+}  // namespace psfm::test
