@@ -43,6 +43,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.clustering.form = JaccardForm::kLiteral;
         options.edges.min_relative_plausibility = 0.0;
         options.solve.rotation_averaging = RotationAveragingOptions{};
+        options.solve.plausibility.reset();
         options.solve.settling.images_for_principal_point = 0;
         options.solve.max_reset_images = 0.0;
         options.merge.constraint.border_cameras = 0;

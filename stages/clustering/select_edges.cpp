@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <set>
 
 namespace psfm {
@@ -42,25 +41,7 @@ Result<void> validate(const EdgeSelectionOptions& options) {
     if (options.min_inliers < 1) return invalid("min_inliers is 0; give at least 1");
     if (!(options.min_relative_plausibility >= 0.0 && options.min_relative_plausibility <= 1.0))
         return invalid("min_relative_plausibility is not between 0 and 1");
-    if (!(options.max_plausibility > 0.0)) return invalid("max_plausibility is not positive");
-    for (const ExpectedDensity& expected : {options.shared, options.core}) {
-        if (!(expected.floor > 0.0 && expected.at_zero >= expected.floor &&
-              expected.decay_deg > 0.0))
-            return invalid("an expected density must be positive and not below its floor");
-    }
-    return {};
-}
-
-double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options) {
-    if (geometry.match_density <= 0.0) return options.max_plausibility;
-    const auto reached = [&](double density, const ExpectedDensity& expected) {
-        const double fallen =
-            expected.at_zero * std::exp(-geometry.median_angle_deg / expected.decay_deg);
-        return density / std::max(expected.floor, fallen);
-    };
-    return std::min(options.max_plausibility,
-                    std::max(reached(geometry.match_density, options.shared),
-                             reached(geometry.core_density, options.core)));
+    return validate(options.plausibility);
 }
 
 EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId image,
@@ -83,14 +64,14 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
     };
     for (const VerifiedPairPtr& pair : pairs) {
         if (!is_strong(pair)) continue;
-        const double plausible = plausibility(pair->geometry, options);
+        const double plausible = plausibility(pair->geometry, options.plausibility);
         raise_best(pair->pair.first, plausible);
         raise_best(pair->pair.second, plausible);
     }
     std::set<ImageId> changed{image};
     for (const VerifiedPairPtr& pair : pairs) {
         const auto [a, b] = pair->pair;
-        const double plausible = plausibility(pair->geometry, options);
+        const double plausible = plausibility(pair->geometry, options.plausibility);
         if (!is_strong(pair) || !is_edge(selection, a, b, plausible, options)) continue;
         graph.add_edge(a, b, static_cast<double>(pair->geometry.inliers.size()), pair);
         selection.edges[index_of(a)].push_back({b, plausible});

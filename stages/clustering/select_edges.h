@@ -10,16 +10,9 @@
 #include "graph/result.h"
 #include "graph/two_view_geometry.h"
 #include "graph/view_graph.h"
+#include "stages/clustering/plausibility.h"
 
 namespace psfm {
-
-/// A match density that falls off exponentially with the triangulation angle, down to a floor.
-/// Raised: doubt is cast on more pairs. Lowered: on fewer. Ours.
-struct ExpectedDensity {
-    double at_zero = 0.0;  ///< for equal viewing directions
-    double decay_deg = 0.0;
-    double floor = 0.0;
-};
 
 /// What counts as an edge of the view graph. Figures behind "ours": docs/look-alikes.md.
 struct EdgeSelectionOptions {
@@ -32,20 +25,10 @@ struct EdgeSelectionOptions {
     /// reach elsewhere is none; 0: every pair is an edge, as in the paper. Raised: weak true
     /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours.
     double min_relative_plausibility = 0.3;
-    /// Plausibilities count up to here. Raised: wide baselines are left out where images also have
-    /// near-identical neighbours. Lowered: look-alikes stay in where everything matches well. Ours.
-    double max_plausibility = 4.0;
-    /// Densities expected of two photographs of one place (see match_density); either will do.
-    ExpectedDensity shared{.at_zero = 0.12, .decay_deg = 12.0, .floor = 0.01};
-    ExpectedDensity core{.at_zero = 0.25, .decay_deg = 25.0, .floor = 0.12};
+    PlausibilityOptions plausibility;
 };
 
 Result<void> validate(const EdgeSelectionOptions& options);
-
-/// A pair's match density over the one expected of two photographs of one place at its
-/// triangulation angle: around 2 for ordinary pairs, max_plausibility at most, and when the density
-/// is unknown. Depends on nothing but the pair.
-double plausibility(const TwoViewGeometry& geometry, const EdgeSelectionOptions& options);
 
 /// All pairs that have enough inliers, in the view graph or not: a value, owned by one serial node.
 /// Invariant, with the graph and options of the last call: `best[i]` is the largest plausibility of

@@ -16,7 +16,7 @@ struct RelativeRotation {
     std::uint32_t i = 0;
     std::uint32_t j = 0;
     Eigen::Quaterniond j_from_i = Eigen::Quaterniond::Identity();
-    double weight = 1.0;  ///< verified inliers
+    double weight = 1.0;  ///< how much it counts: verified inliers, in the paper
 };
 
 /// How the error of one edge, a vector of three angles, enters the L1 sum.

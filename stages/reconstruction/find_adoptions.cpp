@@ -32,11 +32,10 @@ class MergedModel {
             std::erase_if(images->second,
                           [&](ImageId i) { return cluster.model->find(i) == nullptr; });
             const std::vector<ImageId> ascending(images->second.begin(), images->second.end());
-            clusters_.emplace(
-                cluster.id,
-                Cluster{*std::ranges::lower_bound(merged.placements, cluster.id, {},
-                                                  &ClusterPlacement::id),
-                        ClusterIndex(*cluster.model, ascending)});
+            clusters_.emplace(cluster.id,
+                              Cluster{*std::ranges::lower_bound(merged.placements, cluster.id, {},
+                                                                &ClusterPlacement::id),
+                                      ClusterIndex(*cluster.model, ascending)});
         }
     }
 
@@ -135,16 +134,12 @@ bool agrees_with_edges(const UnplacedImage& image, const Rigid3& cam_from_frame,
             continue;
         const Eigen::Quaterniond frame_from_cluster =
             (sighting.frame_from_world * cluster.placement.world_from_cluster).rotation;
-        const Eigen::Quaterniond own_from_other =
-            cam_from_frame.rotation * frame_from_cluster *
-            other.cam_from_cluster.rotation.conjugate();
-        const Eigen::Quaterniond& second_from_first =
-            edge->pair->geometry.cam2_from_cam1.rotation;
-        const Eigen::Quaterniond expected = edge->pair->pair.second == image.id
-                                                ? second_from_first
-                                                : second_from_first.conjugate();
-        const double angle_deg =
-            angle_between(own_from_other, expected) * 180.0 / std::numbers::pi;
+        const Eigen::Quaterniond own_from_other = cam_from_frame.rotation * frame_from_cluster *
+                                                  other.cam_from_cluster.rotation.conjugate();
+        const Eigen::Quaterniond& second_from_first = edge->pair->geometry.cam2_from_cam1.rotation;
+        const Eigen::Quaterniond expected =
+            edge->pair->pair.second == image.id ? second_from_first : second_from_first.conjugate();
+        const double angle_deg = angle_between(own_from_other, expected) * 180.0 / std::numbers::pi;
         const auto weight = static_cast<double>(edge->pair->geometry.inliers.size());
         (angle_deg <= max_deg ? agreeing : contradicting) += weight;
     }

@@ -21,7 +21,7 @@ struct UnplacedImage {
     ImageId id{};
     ClusterId tried_by{};
     CameraId camera_id{};
-    Camera camera;               ///< as accepted; a model that has it knows better
+    Camera camera;  ///< as accepted; a model that has it knows better
     bool fix_intrinsics = false;
     std::uint64_t content_hash = 0;  ///< seeds RANSAC
     std::shared_ptr<const Keypoints> keypoints;
@@ -36,16 +36,17 @@ struct UnplacedImage {
 /// An image that has its place in the merged model.
 struct Adoption {
     ImageId image{};
-    ClusterId host{};                     ///< whose points it sees most of
-    std::uint32_t inliers = 0;            ///< of its pose in the merged model
-    std::uint32_t inliers_of_host = 0;    ///< points of the host among them
+    ClusterId host{};                   ///< whose points it sees most of
+    std::uint32_t inliers = 0;          ///< of its pose in the merged model
+    std::uint32_t inliers_of_host = 0;  ///< points of the host among them
 };
 
-/// Tries images against the merged model (ours; the paper leaves them out): P3P on the points of all clusters of an effective cluster, in one frame. An image is adopted by
-/// the cluster that holds most of the points it agrees with, which then adds it as its own; the
-/// edges to placed images, whose rotations its pose reproduces, must outweigh those that it
-/// contradicts (ours: a look-alike part of the scene may hold more points than the right one).
-/// Not adopted: where the host is the cluster that tried, or holds too few of the points alone.
+/// Tries images against the merged model (ours; the paper leaves them out): P3P on the points of
+/// all clusters of an effective cluster, in one frame. An image is adopted by the cluster that
+/// holds most of the points it agrees with, which then adds it as its own; the edges to placed
+/// images, whose rotations its pose reproduces, must outweigh those that it contradicts (ours: a
+/// look-alike part of the scene may hold more points than the right one). Not adopted: where the
+/// host is the cluster that tried, or holds too few of the points alone.
 /// @param merged  result of run_merge(problem)
 /// @return ascending by image
 /// Deterministic: bitwise equal for equal inputs. Thread-safe.

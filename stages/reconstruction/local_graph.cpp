@@ -90,6 +90,12 @@ VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& 
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
 }
 
+/// How much an edge counts among others.
+double weight_of(const TwoViewGeometry& geometry, const SolveOptions& options) {
+    const double inliers = std::max(1.0, static_cast<double>(geometry.inliers.size()));
+    return options.plausibility ? inliers * plausibility(geometry, *options.plausibility) : inliers;
+}
+
 }  // namespace
 
 Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOptions& options) {
@@ -106,8 +112,7 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
         const TwoViewGeometry& geometry = pairs.back()->geometry;
         rotations.push_back({local_index(problem, pair->pair.first),
                              local_index(problem, pair->pair.second),
-                             geometry.cam2_from_cam1.rotation,
-                             std::max(1.0, static_cast<double>(geometry.inliers.size()))});
+                             geometry.cam2_from_cam1.rotation, weight_of(geometry, options)});
     }
     const auto averaged = average_rotations(
         rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);

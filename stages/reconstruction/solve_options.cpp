@@ -31,6 +31,9 @@ Result<void> validate(const SolveOptions& options) {
     if (!(options.max_edge_error_deg > 0) || !(options.eta_grow > 0)) {
         return Error{ErrorCode::kInvalidArgument, "rho_g,max and eta_grow must be positive"};
     }
+    if (options.plausibility) {
+        if (auto valid = validate(*options.plausibility); !valid) return valid;
+    }
     if (!(options.max_reset_images >= 0) || !(options.max_contradicting_edges >= 0)) {
         return Error{ErrorCode::kInvalidArgument,
                      "max_reset_images and max_contradicting_edges are parts of a whole, not "

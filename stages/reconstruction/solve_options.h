@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "graph/result.h"
+#include "stages/clustering/plausibility.h"
 #include "stages/merge/merge_options.h"
 #include "stages/reconstruction/absolute_pose.h"
 #include "stages/reconstruction/average_positions.h"
@@ -137,6 +139,11 @@ struct SolveOptions {
     /// tenth of the time (docs/look-alikes.md).
     RotationAveragingOptions rotation_averaging{
         .consensus_deg = 10.0, .max_iterations = 0, .refine_iterations = 20};
+    /// An edge counts with its inliers times its plausibility when rotations are averaged: many
+    /// look-alikes a little way round a symmetric scene outnumber the few true edges between two
+    /// parts that only just meet, and have as many inliers each. None: with its inliers, as in the
+    /// paper. Ours (docs/look-alikes.md).
+    std::optional<PlausibilityOptions> plausibility = PlausibilityOptions{};
     FocalCalibrationOptions focal_calibration;
     VerifyOptions
         verification;  ///< of pairs whose focal lengths have become known since they were verified

@@ -21,8 +21,8 @@ constexpr std::uint32_t kImages = 13;
 constexpr ImageId kStray{kImages - 1};  // stands beside the second cluster, arrives last
 
 /// Two parts of a ring with a few edges between them. The last image has strong edges to the first
-/// part, and so belongs to its cluster; but no two of them share a feature, and nothing that it sees
-/// there is ever a point. Its weaker edges to the second part are true.
+/// part, and so belongs to its cluster; but no two of them share a feature, and nothing that it
+/// sees there is ever a point. Its weaker edges to the second part are true.
 struct TwoParts {
     synthetic::SyntheticScene scene = synthetic::add_clutter(
         synthetic::make_scene(synthetic::ring_around_sphere(kImages), 7), 600, 8);

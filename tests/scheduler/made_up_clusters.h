@@ -37,7 +37,8 @@ struct Solve {
     ClusterProblem problem;
     ClusterSolution solution;
 };
-inline Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& placed, bool settle = false) {
+inline Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& placed,
+                      bool settle = false) {
     Solve solve;
     solve.problem.cluster = solve.solution.cluster = entry.id;
     solve.problem.topology = solve.solution.topology = entry.topology;

@@ -54,8 +54,7 @@ SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScen
     std::vector<CommitInput> messages{CatchUp{}};
     for (const AcceptedImagePtr& image : restored->unverified)
         messages.emplace_back(ResumedImage{image});
-    committer_ =
-        std::make_unique<Committer>(store, config, options_, std::move(restored->state));
+    committer_ = std::make_unique<Committer>(store, config, options_, std::move(restored->state));
     EXPECT_TRUE(run(std::move(messages), kAll));
 }
 
@@ -90,14 +89,13 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
                                             *output->merge->unplaced, options_.solve);
             using Outcome = MergedMessage::Outcome;
             queue.push_back(MergedMessage{output->merge->problem, output->merge->unplaced,
-                                          std::make_shared<const Result<Outcome>>(Outcome{
-                                              *std::move(merged), std::move(adoptions)}),
+                                          std::make_shared<const Result<Outcome>>(
+                                              Outcome{*std::move(merged), std::move(adoptions)}),
                                           0.0});
         }
         if (!output->publish) continue;
         std::ranges::move(output->publish->events, std::back_inserter(events_));
-        for (const ImageReport& report : output->publish->images)
-            reported_.push_back(report.index);
+        for (const ImageReport& report : output->publish->images) reported_.push_back(report.index);
     }
     return true;
 }

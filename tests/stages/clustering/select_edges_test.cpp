@@ -86,8 +86,8 @@ TEST(SelectEdges, DenselyMatchedCoreIsPlausible) {
 }
 
 TEST(SelectEdges, PlausibilityIsBounded) {
-    EXPECT_EQ(plausibility_of(1.0, 1.0, 10.0), EdgeSelectionOptions{}.max_plausibility);
-    EXPECT_EQ(plausibility_of(0.0, 0.0, 1.0), EdgeSelectionOptions{}.max_plausibility)
+    EXPECT_EQ(plausibility_of(1.0, 1.0, 10.0), PlausibilityOptions{}.max_plausibility);
+    EXPECT_EQ(plausibility_of(0.0, 0.0, 1.0), PlausibilityOptions{}.max_plausibility)
         << "an unknown density casts no doubt";
 }
 
@@ -101,16 +101,17 @@ TEST(SelectEdges, PaperTakesEveryPair) {
 }
 
 TEST(SelectEdges, RefusesSenselessOptions) {
-    EXPECT_TRUE(validate(EdgeSelectionOptions{}).ok());
-    EXPECT_FALSE(validate(EdgeSelectionOptions{.min_inliers = 0}).ok());
-    EXPECT_FALSE(validate(EdgeSelectionOptions{.min_relative_plausibility = 1.1}).ok());
-    EXPECT_FALSE(validate(EdgeSelectionOptions{.max_plausibility = 0.0}).ok());
-    EdgeSelectionOptions no_floor;
-    no_floor.shared.floor = 0.0;
-    EXPECT_FALSE(validate(no_floor).ok());
-    EdgeSelectionOptions no_decay;
-    no_decay.core.decay_deg = 0.0;
-    EXPECT_FALSE(validate(no_decay).ok());
+    const auto refuses = [](const auto& change) {
+        EdgeSelectionOptions options;
+        change(options);
+        return !validate(options).ok();
+    };
+    EXPECT_FALSE(refuses([](auto&) {}));
+    EXPECT_TRUE(refuses([](auto& options) { options.min_inliers = 0; }));
+    EXPECT_TRUE(refuses([](auto& options) { options.min_relative_plausibility = 1.1; }));
+    EXPECT_TRUE(refuses([](auto& options) { options.plausibility.max_plausibility = 0.0; }));
+    EXPECT_TRUE(refuses([](auto& options) { options.plausibility.shared.floor = 0.0; }));
+    EXPECT_TRUE(refuses([](auto& options) { options.plausibility.core.decay_deg = 0.0; }));
 }
 
 /// Random pairs of images, by the images' true numbers.

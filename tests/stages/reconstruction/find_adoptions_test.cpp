@@ -38,8 +38,7 @@ struct StrayImage {
         stray.keypoints = std::make_shared<const Keypoints>(image.keypoints);
         for (const VerifiedPairPtr& pair : cut.pairs) {
             if (pair->pair.first != kStray && pair->pair.second != kStray) continue;
-            const ImageId other =
-                pair->pair.first == kStray ? pair->pair.second : pair->pair.first;
+            const ImageId other = pair->pair.first == kStray ? pair->pair.second : pair->pair.first;
             stray.edges.push_back({pair, ClusterId{index_of(other) < 6 ? 0U : 1U}});
         }
     }
@@ -111,8 +110,7 @@ TEST(FindAdoptions, WantsPointsOfOneClusterThatCarryAPoseAlone) {
 
 TEST(FindAdoptions, KnowsOfNothingWithoutOtherClusters) {
     StrayImage stray(10);
-    std::erase_if(stray.stray.edges,
-                  [](const auto& edge) { return edge.cluster != ClusterId{0}; });
+    std::erase_if(stray.stray.edges, [](const auto& edge) { return edge.cluster != ClusterId{0}; });
     EXPECT_TRUE(stray.adoptions().empty());
     EXPECT_TRUE(find_adoptions(stray.problem, stray.merged, {}, {}).empty());
 }
