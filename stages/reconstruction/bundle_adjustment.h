@@ -20,9 +20,15 @@ struct AdjustmentOptions {
     /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
     /// accurate.
     double function_tolerance = 1e-6;
-    /// Images above which the reduced camera system is solved sparse instead of dense. Ours, a
-    /// guess that no measurement stands behind yet.
+    /// Images up to which Ceres solves, which keeps the whole Jacobian: some 800 bytes an
+    /// observation. Above, the reduced camera system is formed point by point, and nothing else is
+    /// kept. Lowered: small systems are solved in parts where they need none. Ours.
     std::uint32_t dense_up_to_images = 60;
+    /// Columns of the reduced camera system (six an image, and those of free intrinsics) up to
+    /// which it is kept and factorised dense. Raised: time grows with the cube, memory with the
+    /// square (288 MB for 6,000); lowered: Ceres solves it sparse, and takes 1.4 kB an observation.
+    /// Ours.
+    std::uint32_t max_reduced_columns = 6000;
     /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
     /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes
     /// (docs/accuracy.md): 1 divides the error on Herz-Jesus-P8 by 1.1 and costs 2 % on the others.
@@ -75,8 +81,9 @@ struct AdjustmentReport {
     double rms_after_px = 0.0;
 };
 
-/// Bundle adjustment with Ceres on one thread: bitwise repeatable for equal models (all parameter
-/// blocks lie in one array, see PARTS.md).
+/// Bundle adjustment, with Ceres on one thread or, for many images, on the reduced camera system
+/// with TBB: bitwise repeatable for equal models, on any number of threads (Ceres's parameter
+/// blocks all lie in one array, see PARTS.md).
 /// @errors kDegenerate (nothing to adjust, or the solver found no usable step)
 Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
                                 const AdjustmentOptions& options);

@@ -157,8 +157,9 @@ bool PoseManifold::MinusJacobian(const double* /*x*/, double* jacobian) const {
     return true;
 }
 
-bool ReprojectionCost::Evaluate(double const* const* parameters, double* residuals,
-                                double** jacobians) const {
+bool evaluate_reprojection(CameraModel model, const Eigen::Vector2d& observed_px,
+                           double inverse_sigma, const double* const* parameters, double* residuals,
+                           double** jacobians) {
     const Eigen::Map<const Eigen::Quaterniond> rotation(parameters[0]);
     const Eigen::Map<const Eigen::Vector3d> translation(parameters[0] + 4);
     const Eigen::Map<const Eigen::Vector3d> point(parameters[1]);
@@ -167,13 +168,13 @@ bool ReprojectionCost::Evaluate(double const* const* parameters, double* residua
     if (in_cam.z() < 1e-9) return false;
     const double inverse_depth = 1.0 / in_cam.z();
     const Eigen::Vector2d x = in_cam.head<2>() * inverse_depth;
-    const PixelDerivatives derivatives = evaluate_camera(model_, parameters[2], x);
-    Eigen::Map<Eigen::Vector2d>{residuals} = inverse_sigma_ * (derivatives.pixel - observed_);
+    const PixelDerivatives derivatives = evaluate_camera(model, parameters[2], x);
+    Eigen::Map<Eigen::Vector2d>{residuals} = inverse_sigma * (derivatives.pixel - observed_px);
     if (jacobians == nullptr) return true;
 
     RowMatrix23 x_by_cam;
     x_by_cam << inverse_depth, 0, -x.x() * inverse_depth, 0, inverse_depth, -x.y() * inverse_depth;
-    const RowMatrix23 by_cam = inverse_sigma_ * derivatives.by_normalized * x_by_cam;
+    const RowMatrix23 by_cam = inverse_sigma * derivatives.by_normalized * x_by_cam;
     if (jacobians[0] != nullptr) {
         Eigen::Map<RowMatrix27> jacobian(jacobians[0]);
         jacobian.leftCols<3>() = -by_cam * skew(rotated);
@@ -184,7 +185,7 @@ bool ReprojectionCost::Evaluate(double const* const* parameters, double* residua
         Eigen::Map<RowMatrix23>{jacobians[1]} = by_cam * rotation.toRotationMatrix();
     }
     if (jacobians[2] != nullptr) {
-        Eigen::Map<RowMatrix28>{jacobians[2]} = inverse_sigma_ * derivatives.by_intrinsics;
+        Eigen::Map<RowMatrix28>{jacobians[2]} = inverse_sigma * derivatives.by_intrinsics;
     }
     return true;
 }

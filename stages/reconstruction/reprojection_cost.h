@@ -45,6 +45,14 @@ class PoseManifold final : public ceres::Manifold {
     int held_ = -1;  // of the six coordinates (w, v); -1: none
 };
 
+/// Projected minus observed pixel, times `inverse_sigma`, of one observation; blocks as above.
+/// @param jacobians  by pose (2 x 7 as PoseManifold wants it), point (2 x 3) and intrinsics (2 x
+/// 8), row by row; null, or those that are null, are not computed
+/// @return false when the point is not in front of the camera
+bool evaluate_reprojection(CameraModel model, const Eigen::Vector2d& observed_px,
+                           double inverse_sigma, const double* const* parameters, double* residuals,
+                           double** jacobians);
+
 /// Projected minus observed pixel, divided by the observation's standard deviation; analytic
 /// derivatives.
 class ReprojectionCost final
@@ -55,7 +63,10 @@ class ReprojectionCost final
 
     /// False when the point is not in front of the camera: the solver then takes a shorter step.
     bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override;
+                  double** jacobians) const override {
+        return evaluate_reprojection(model_, observed_, inverse_sigma_, parameters, residuals,
+                                     jacobians);
+    }
 
   private:
     CameraModel model_;

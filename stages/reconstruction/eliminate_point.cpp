@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/eliminate_point.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace psfm {
+
+double damping_of(double diagonal, double radius) {
+    return std::clamp(diagonal, 1e-6, 1e32) / radius;
+}
+
+ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,
+                                           const AdjustmentSelection& selection,
+                                           const AdjustmentColumns& columns,
+                                           const AdjustmentOptions& options,
+                                           const AdjustmentParameters& layout)
+    : model_(model),
+      selection_(selection),
+      columns_(columns),
+      options_(options),
+      layout_(layout),
+      views_(model.image_count()) {
+    for (std::uint32_t image = 0; image < views_.size(); ++image) {
+        if (layout.pose_at[image] == AdjustmentParameters::kAbsent) continue;
+        const CameraId camera = model.camera_id(image);
+        const auto intrinsics = columns.intrinsics.find(camera);
+        views_[image] = {
+            model.camera(image).model, layout.pose_at[image], layout.camera_at.at(camera),
+            columns.pose[image],
+            intrinsics == columns.intrinsics.end() ? nullptr : &intrinsics->second};
+    }
+}
+
+double ObservationEvaluator::half_loss(const AdjustmentResidual& residual,
+                                       const std::vector<double>& values) const {
+    const View& view = views_[residual.feature.image];
+    const std::array<const double*, 3> blocks{&values[view.pose_at],
+                                              &values[layout_.point_at[residual.point]],
+                                              &values[view.intrinsics_at]};
+    const Keypoint& keypoint = model_.keypoint(residual.feature);
+    Eigen::Vector2d error;
+    if (!evaluate_reprojection(view.model, keypoint.position(),
+                               1.0 / observation_sigma(keypoint, options_), blocks.data(),
+                               error.data(), nullptr)) {
+        return std::numeric_limits<double>::infinity();
+    }
+    // Soft L1, as Ceres has it: rho(s) = 2 b (sqrt(1 + s / b) - 1).
+    const double b = options_.loss_scale_px * options_.loss_scale_px;
+    return b * (std::sqrt(1.0 + error.squaredNorm() / b) - 1.0);
+}
+
+void ObservationEvaluator::linearize(const AdjustmentResidual& residual,
+                                     const std::vector<double>& values,
+                                     LinearizedObservation& out) const {
+    const View& view = views_[residual.feature.image];
+    const std::array<const double*, 3> blocks{&values[view.pose_at],
+                                              &values[layout_.point_at[residual.point]],
+                                              &values[view.intrinsics_at]};
+    Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor> by_pose;
+    Eigen::Matrix<double, 2, kPointSize, Eigen::RowMajor> by_point;
+    Eigen::Matrix<double, 2, kIntrinsicsSize, Eigen::RowMajor> by_intrinsics;
+    std::array<double*, 3> jacobians{by_pose.data(), by_point.data(), by_intrinsics.data()};
+    const Keypoint& keypoint = model_.keypoint(residual.feature);
+    evaluate_reprojection(view.model, keypoint.position(),
+                          1.0 / observation_sigma(keypoint, options_), blocks.data(),
+                          out.residual.data(), jacobians.data());
+    const double b = options_.loss_scale_px * options_.loss_scale_px;
+    const double root = std::sqrt(1.0 + out.residual.squaredNorm() / b);
+    // The slope of the loss is 1 / root; its curvature is negative, and left out, as in Ceres.
+    const double weight = 1.0 / std::sqrt(root);
+    out.residual *= weight;
+    out.pose = view.column;
+    out.intrinsics = view.intrinsics;
+    out.by_pose = weight * by_pose.leftCols<6>();
+    if (columns_.held_translation && view.column != AdjustmentColumns::kHeld &&
+        *columns_.held_translation >= view.column && *columns_.held_translation < view.column + 6) {
+        out.by_pose.col(static_cast<Eigen::Index>(*columns_.held_translation - view.column))
+            .setZero();
+    }
+    out.by_point = weight * by_point;
+    if (view.intrinsics != nullptr) {
+        for (std::size_t i = 0; i < view.intrinsics->slots.size(); ++i) {
+            out.by_intrinsics.col(static_cast<Eigen::Index>(i)) =
+                weight * by_intrinsics.col(view.intrinsics->slots[i]);
+        }
+    }
+}
+
+void ObservationEvaluator::couple(EliminatedPoint& point) const {
+    for (const LinearizedObservation& seen : point.observations) {
+        if (seen.pose != AdjustmentColumns::kHeld) {
+            auto& pose = point.poses.emplace_back();
+            pose.column = seen.pose;
+            pose.size = 6;
+            pose.cross.noalias() = seen.by_pose.transpose() * seen.by_point;
+        }
+        if (seen.intrinsics == nullptr) continue;
+        const auto size = static_cast<int>(seen.intrinsics->slots.size());
+        auto found =
+            std::ranges::lower_bound(point.intrinsics, seen.intrinsics->column, {},
+                                     &EliminatedPoint::Coupling<kIntrinsicsSize>::column);
+        if (found == point.intrinsics.end() || found->column != seen.intrinsics->column) {
+            found = point.intrinsics.emplace(found);
+            found->column = seen.intrinsics->column;
+            found->size = size;
+        }
+        found->cross.topRows(size).noalias() +=
+            seen.by_intrinsics.leftCols(size).transpose() * seen.by_point;
+    }
+    for (auto& pose : point.poses) pose.scaled.noalias() = pose.cross * point.inverse;
+    for (auto& camera : point.intrinsics) {
+        camera.scaled.topRows(camera.size).noalias() =
+            camera.cross.topRows(camera.size) * point.inverse;
+    }
+}
+
+void ObservationEvaluator::eliminate(std::span<const AdjustmentResidual> residuals,
+                                     const std::vector<double>& values, double radius,
+                                     EliminatedPoint& out) const {
+    out.observations.resize(residuals.size());
+    out.poses.clear();
+    out.intrinsics.clear();
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+        linearize(residuals[i], values, out.observations[i]);
+    out.is_free = selection_.point_is_free[residuals.front().point];
+    if (!out.is_free) return;
+    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    out.gradient.setZero();
+    for (const LinearizedObservation& seen : out.observations) {
+        block.noalias() += seen.by_point.transpose() * seen.by_point;
+        out.gradient.noalias() += seen.by_point.transpose() * seen.residual;
+    }
+    for (int i = 0; i < 3; ++i) out.damping[i] = damping_of(block(i, i), radius);
+    block.diagonal() += out.damping;
+    out.inverse = block.inverse();
+    couple(out);
+}
+
+}  // namespace psfm

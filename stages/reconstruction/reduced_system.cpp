@@ -1,0 +1,260 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/reduced_system.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "stages/reconstruction/dense_cholesky.h"
+
+namespace psfm {
+namespace {
+
+constexpr std::size_t kBatch = 512;   // points that are linearised before the system takes them up
+constexpr std::size_t kStripes = 64;  // of the system's columns; each is one task
+
+/// A waiting thread must not begin another solve in the middle of this one.
+template <typename Body>
+void in_parallel(std::size_t count, const Body& body) {
+    tbb::this_task_arena::isolate([&] { tbb::parallel_for(std::size_t{0}, count, body); });
+}
+
+}  // namespace
+
+ReducedSystem::ReducedSystem(const WorkingModel& model, const AdjustmentSelection& selection,
+                             const AdjustmentColumns& columns, const AdjustmentOptions& options,
+                             const AdjustmentParameters& layout)
+    : selection_(selection),
+      columns_(columns),
+      layout_(layout),
+      evaluator_(model, selection, columns, options, layout),
+      groups_(groups_of(selection.residuals)),
+      points_(std::min(kBatch, groups_.size())) {
+    for (const auto& [camera, intrinsics] : columns.intrinsics) {
+        if (!intrinsics.free_principal_point) continue;
+        const Camera& initial = model.cameras().at(camera);
+        const double sigma =
+            options.principal_point_sigma * std::max(initial.width, initial.height);
+        priors_.emplace_back(intrinsics, layout.camera_at.at(camera), initial, sigma);
+    }
+}
+
+std::vector<ReducedSystem::Group> ReducedSystem::groups_of(const std::vector<AdjustmentResidual>& residuals) {
+    std::vector<Group> groups;
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+        const bool same = i > 0 && residuals[i].point == residuals[i - 1].point;
+        if (!same) groups.push_back({i, 0});
+        ++groups.back().count;
+    }
+    return groups;
+}
+
+std::size_t ReducedSystem::batches() const {
+    return (groups_.size() + kBatch - 1) / kBatch;
+}
+
+std::span<const ReducedSystem::Group> ReducedSystem::batch(std::size_t number) const {
+    const std::span<const Group> from = std::span(groups_).subspan(number * kBatch);
+    return from.first(std::min(kBatch, from.size()));
+}
+
+bool ReducedSystem::in_stripe(std::size_t column, std::size_t stripe) const {
+    return column * kStripes / columns_.count == stripe;
+}
+
+ReducedSystem::LinearizedPrior ReducedSystem::linearize(const Prior& prior,
+                                                        const std::vector<double>& values) {
+    LinearizedPrior out;
+    const std::array<const double*, 1> blocks{&values[prior.at]};
+    std::array<double*, 1> jacobians{out.by_intrinsics.data()};
+    prior.cost.Evaluate(blocks.data(), out.residual.data(), jacobians.data());
+    return out;
+}
+
+double ReducedSystem::cost(const std::vector<double>& values) const {
+    std::vector<double> sums(batches(), 0.0);
+    in_parallel(sums.size(), [&](std::size_t number) {
+        for (const Group& group : batch(number)) {
+            for (const AdjustmentResidual& residual : residuals_of(group))
+                sums[number] += evaluator_.half_loss(residual, values);
+        }
+    });
+    double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
+    for (const Prior& prior : priors_) sum += 0.5 * linearize(prior, values).residual.squaredNorm();
+    return sum;
+}
+
+std::optional<double> ReducedSystem::step(const std::vector<double>& values, double radius,
+                                          std::vector<double>& moved) {
+    build(values, radius);
+    if (!factorize_cholesky(system_)) return std::nullopt;
+    Eigen::VectorXd delta = -(gradient_ + eliminated_);
+    solve_cholesky(system_, delta);
+    if (!delta.allFinite()) return std::nullopt;
+    moved = values;
+    move_cameras(delta, moved);
+    // Half of -g'd + d'Dd: what the linear model gains, the damped normal equations put in.
+    const double cameras = delta.dot(damping_.cwiseProduct(delta) - gradient_);
+    return 0.5 * (cameras + move_points(values, radius, delta, moved));
+}
+
+void ReducedSystem::build(const std::vector<double>& values, double radius) {
+    const auto size = static_cast<Eigen::Index>(columns_.count);
+    system_.setZero(size, size);
+    for (Eigen::VectorXd* vector : {&eliminated_, &gradient_, &squares_}) vector->setZero(size);
+    for (std::size_t number = 0; number < batches(); ++number) {
+        const std::span<const Group> groups = batch(number);
+        in_parallel(groups.size(), [&](std::size_t i) {
+            evaluator_.eliminate(residuals_of(groups[i]), values, radius, points_[i]);
+        });
+        // A column belongs to one task, which adds the points in their order.
+        in_parallel(kStripes, [&](std::size_t stripe) {
+            for (std::size_t i = 0; i < groups.size(); ++i) {
+                add_observations(points_[i], stripe);
+                if (points_[i].is_free) add_elimination(points_[i], stripe);
+            }
+        });
+    }
+    add_priors(values);
+    damp(radius);
+}
+
+void ReducedSystem::add_observations(const EliminatedPoint& point, std::size_t stripe) {
+    for (const LinearizedObservation& seen : point.observations) {
+        const auto free = seen.intrinsics == nullptr
+                              ? Eigen::Index{0}
+                              : static_cast<Eigen::Index>(seen.intrinsics->slots.size());
+        if (seen.pose != AdjustmentColumns::kHeld && in_stripe(seen.pose, stripe)) {
+            const auto column = static_cast<Eigen::Index>(seen.pose);
+            squares_.segment<6>(column) += seen.by_pose.colwise().squaredNorm().transpose();
+            system_.block<6, 6>(column, column).noalias() +=
+                seen.by_pose.transpose() * seen.by_pose;
+            gradient_.segment<6>(column).noalias() += seen.by_pose.transpose() * seen.residual;
+            if (free > 0) {
+                system_
+                    .block(static_cast<Eigen::Index>(seen.intrinsics->column), column, free, 6)
+                    .noalias() += seen.by_intrinsics.leftCols(free).transpose() * seen.by_pose;
+            }
+        }
+        if (free > 0 && in_stripe(seen.intrinsics->column, stripe)) {
+            const auto column = static_cast<Eigen::Index>(seen.intrinsics->column);
+            const auto rows = seen.by_intrinsics.leftCols(free);
+            system_.block(column, column, free, free).noalias() += rows.transpose() * rows;
+            squares_.segment(column, free) += rows.colwise().squaredNorm().transpose();
+            gradient_.segment(column, free).noalias() += rows.transpose() * seen.residual;
+        }
+    }
+}
+
+void ReducedSystem::add_elimination(const EliminatedPoint& point, std::size_t stripe) {
+    for (std::size_t left = 0; left < point.poses.size(); ++left) {
+        const auto& pose = point.poses[left];
+        if (!in_stripe(pose.column, stripe)) continue;
+        const auto column = static_cast<Eigen::Index>(pose.column);
+        eliminated_.segment<6>(column).noalias() -= pose.scaled * point.gradient;
+        for (std::size_t low = left; low < point.poses.size(); ++low) {
+            const auto& other = point.poses[low];
+            system_.block<6, 6>(static_cast<Eigen::Index>(other.column), column).noalias() -=
+                other.cross.lazyProduct(pose.scaled.transpose());
+        }
+        for (const auto& camera : point.intrinsics) {
+            system_
+                .block(static_cast<Eigen::Index>(camera.column), column, camera.size, 6)
+                .noalias() -= camera.cross.topRows(camera.size) * pose.scaled.transpose();
+        }
+    }
+    for (std::size_t left = 0; left < point.intrinsics.size(); ++left) {
+        const auto& camera = point.intrinsics[left];
+        if (!in_stripe(camera.column, stripe)) continue;
+        const auto column = static_cast<Eigen::Index>(camera.column);
+        const auto scaled = camera.scaled.topRows(camera.size);
+        eliminated_.segment(column, camera.size).noalias() -= scaled * point.gradient;
+        for (std::size_t low = left; low < point.intrinsics.size(); ++low) {
+            const auto& other = point.intrinsics[low];
+            system_
+                .block(static_cast<Eigen::Index>(other.column), column, other.size,
+                       camera.size)
+                .noalias() -= other.cross.topRows(other.size) * scaled.transpose();
+        }
+    }
+}
+
+void ReducedSystem::add_priors(const std::vector<double>& values) {
+    for (const Prior& prior : priors_) {
+        const LinearizedPrior linear = linearize(prior, values);
+        const std::vector<int>& slots = prior.intrinsics->slots;
+        const auto column = static_cast<Eigen::Index>(prior.intrinsics->column);
+        for (std::size_t i = 0; i < slots.size(); ++i) {
+            const auto row = column + static_cast<Eigen::Index>(i);
+            const auto by_slot = linear.by_intrinsics.col(slots[i]);
+            squares_[row] += by_slot.squaredNorm();
+            gradient_[row] += by_slot.dot(linear.residual);
+            for (std::size_t j = 0; j <= i; ++j) {
+                system_(row, column + static_cast<Eigen::Index>(j)) +=
+                    by_slot.dot(linear.by_intrinsics.col(slots[j]));
+            }
+        }
+    }
+}
+void ReducedSystem::damp(double radius) {
+    damping_ = squares_.unaryExpr([&](double square) { return damping_of(square, radius); });
+    system_.diagonal() += damping_;
+    if (columns_.held_translation) {
+        // Nothing depends on it: its step is zero.
+        const auto held = static_cast<Eigen::Index>(*columns_.held_translation);
+        system_(held, held) = 1.0;
+    }
+}
+
+void ReducedSystem::move_cameras(const Eigen::VectorXd& delta, std::vector<double>& moved) const {
+    const PoseManifold manifold;
+    for (std::size_t image = 0; image < columns_.pose.size(); ++image) {
+        const std::size_t column = columns_.pose[image];
+        if (column == AdjustmentColumns::kHeld) continue;
+        std::array<double, kPoseSize> pose{};
+        manifold.Plus(&moved[layout_.pose_at[image]], &delta[static_cast<Eigen::Index>(column)],
+                      pose.data());
+        std::ranges::copy(pose, &moved[layout_.pose_at[image]]);
+    }
+    for (const auto& [camera, intrinsics] : columns_.intrinsics) {
+        double* values = &moved[layout_.camera_at.at(camera)];
+        for (std::size_t i = 0; i < intrinsics.slots.size(); ++i) {
+            values[intrinsics.slots[i]] +=
+                delta[static_cast<Eigen::Index>(intrinsics.column + i)];
+        }
+    }
+}
+
+double ReducedSystem::move_points(const std::vector<double>& values, double radius,
+                                  const Eigen::VectorXd& delta, std::vector<double>& moved) const {
+    std::vector<double> gains(batches(), 0.0);
+    in_parallel(gains.size(), [&](std::size_t number) {
+        EliminatedPoint point;
+        for (const Group& group : batch(number)) {
+            const std::span<const AdjustmentResidual> residuals = residuals_of(group);
+            const std::uint32_t index = residuals.front().point;
+            if (!selection_.point_is_free[index]) continue;
+            evaluator_.eliminate(residuals, values, radius, point);
+            Eigen::Vector3d sum = point.gradient;
+            for (const auto& pose : point.poses) {
+                sum.noalias() += pose.cross.transpose() *
+                                 delta.segment<6>(static_cast<Eigen::Index>(pose.column));
+            }
+            for (const auto& camera : point.intrinsics) {
+                sum.noalias() +=
+                    camera.cross.topRows(camera.size).transpose() *
+                    delta.segment(static_cast<Eigen::Index>(camera.column), camera.size);
+            }
+            const Eigen::Vector3d step = -(point.inverse * sum);
+            Eigen::Map<Eigen::Vector3d>{&moved[layout_.point_at[index]]} += step;
+            gains[number] += step.dot(point.damping.cwiseProduct(step) - point.gradient);
+        }
+    });
+    return std::accumulate(gains.begin(), gains.end(), 0.0);
+}
+
+}  // namespace psfm

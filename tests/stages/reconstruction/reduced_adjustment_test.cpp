@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/reduced_adjustment.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <Eigen/Cholesky>
+#include <memory>
+#include <random>
+
+#include "stages/reconstruction/dense_cholesky.h"
+#include "tests/stages/reconstruction/problems.h"
+#include "tests/synthetic/disturb.h"
+#include "tests/synthetic/verified_pairs.h"
+
+namespace psfm {
+namespace {
+
+/// The model of a ring of cameras, its truth disturbed alike each time.
+struct DisturbedRing {
+    synthetic::SyntheticScene scene;
+    ClusterProblem problem;
+    std::unique_ptr<CorrespondenceGraph> matches;
+    std::unique_ptr<WorkingModel> model;
+
+    DisturbedRing() {
+        scene = synthetic::add_pixel_noise(
+            synthetic::make_scene(synthetic::ring_around_sphere(16), 3), 0.5, 4);
+        problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+        std::vector<std::uint32_t> counts;
+        std::vector<ImageId> ids;
+        for (const ClusterImage& image : problem.images) {
+            counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
+            ids.push_back(image.id);
+        }
+        matches = std::make_unique<CorrespondenceGraph>(ids, counts, problem.pairs);
+        model = std::make_unique<WorkingModel>(problem, *matches);
+        model->load(synthetic::true_reconstruction(scene, Sim3{}, ids));
+        std::mt19937_64 rng(7);
+        std::normal_distribution<double> normal;
+        const auto noise = [&](double sigma) -> Eigen::Vector3d {
+            return sigma * Eigen::Vector3d(normal(rng), normal(rng), normal(rng));
+        };
+        for (std::uint32_t image = 0; image < model->image_count(); ++image) {
+            Rigid3 pose = model->pose(image);
+            pose.translation += noise(0.02);
+            model->set_pose(image, pose);
+        }
+        for (std::uint32_t point = 0; point < model->points().size(); ++point)
+            model->set_position(point, model->points()[point].position + noise(0.01));
+    }
+
+    AdjustmentScope scope(bool free_intrinsics) const {
+        AdjustmentScope all = full_scope(*model, free_intrinsics);
+        all.free_principal_points = all.free_cameras;
+        return all;
+    }
+};
+
+AdjustmentOptions precise(bool reduced) {
+    AdjustmentOptions options;
+    options.function_tolerance = 1e-14;
+    options.max_iterations = 100;
+    options.dense_up_to_images = reduced ? 0 : 1000;
+    return options;
+}
+
+/// Largest difference of poses, points and intrinsics, the latter relative to the focal length.
+double difference(const WorkingModel& a, const WorkingModel& b) {
+    double most = 0.0;
+    for (std::uint32_t image = 0; image < a.image_count(); ++image) {
+        most = std::max(most, (a.pose(image).translation - b.pose(image).translation).norm());
+        most = std::max(most, a.pose(image).rotation.angularDistance(b.pose(image).rotation));
+    }
+    for (std::uint32_t point = 0; point < a.points().size(); ++point)
+        most = std::max(most, (a.points()[point].position - b.points()[point].position).norm());
+    for (const auto& [id, camera] : a.cameras()) {
+        for (std::size_t i = 0; i < camera.params.size(); ++i) {
+            most = std::max(most, std::abs(camera.params[i] - b.cameras().at(id).params[i]) /
+                                      camera.params[0]);
+        }
+    }
+    return most;
+}
+
+TEST(AdjustReduced, EndsWhereCeresEnds) {
+    for (const bool free_intrinsics : {false, true}) {
+        const DisturbedRing ours, ceres;
+        const auto start = difference(*ours.model, *ceres.model);
+        ASSERT_EQ(start, 0.0);
+        const auto reduced = adjust(*ours.model, ours.scope(free_intrinsics), precise(true));
+        const auto whole = adjust(*ceres.model, ceres.scope(free_intrinsics), precise(false));
+        ASSERT_TRUE(reduced.ok() && whole.ok());
+        EXPECT_EQ(reduced->residuals, whole->residuals);
+        EXPECT_NEAR(reduced->rms_before_px, whole->rms_before_px, 1e-9);
+        EXPECT_NEAR(reduced->rms_after_px, whole->rms_after_px, 1e-7);
+        EXPECT_LT(reduced->rms_after_px, 0.3 * reduced->rms_before_px);
+        EXPECT_LT(difference(*ours.model, *ceres.model), 1e-4) << free_intrinsics;
+    }
+}
+
+TEST(AdjustReduced, PartOfAModelIsAdjustedLikewise) {
+    const DisturbedRing ours, ceres;
+    AdjustmentScope scope = local_scope(*ours.model, 3, 5, true);
+    ASSERT_LT(scope.free_images.size(), ours.model->image_count());
+    ASSERT_TRUE(adjust(*ours.model, scope, precise(true)).ok());
+    ASSERT_TRUE(adjust(*ceres.model, scope, precise(false)).ok());
+    EXPECT_LT(difference(*ours.model, *ceres.model), 1e-4);
+}
+
+TEST(AdjustReduced, GaugeStays) {
+    const DisturbedRing ring, before;
+    const AdjustmentScope scope = ring.scope(true);
+    ASSERT_TRUE(adjust(*ring.model, scope, precise(true)).ok());
+    EXPECT_EQ(ring.model->pose(scope.gauge->origin).translation,
+              before.model->pose(scope.gauge->origin).translation);
+    const int held = scale_coordinate(*before.model, *scope.gauge);
+    EXPECT_EQ(ring.model->pose(scope.gauge->farthest).translation[held],
+              before.model->pose(scope.gauge->farthest).translation[held]);
+    EXPECT_NE(ring.model->pose(scope.gauge->farthest).translation,
+              before.model->pose(scope.gauge->farthest).translation);
+}
+
+TEST(AdjustReduced, IsBitwiseTheSameOnAnyNumberOfThreads) {
+    std::unique_ptr<DisturbedRing> first;
+    for (const std::size_t threads : {1U, 2U, 5U}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        auto ring = std::make_unique<DisturbedRing>();
+        ASSERT_TRUE(adjust(*ring->model, ring->scope(true), precise(true)).ok());
+        if (!first) {
+            first = std::move(ring);
+        } else {
+            EXPECT_EQ(difference(*first->model, *ring->model), 0.0) << threads;
+        }
+    }
+}
+
+TEST(AdjustReduced, APointBehindACameraIsLeftOutAsInCeres) {
+    const DisturbedRing ours, ceres;
+    for (const DisturbedRing* ring : {&ours, &ceres}) {
+        const Eigen::Vector3d behind = 3.0 * ring->model->centre(0);
+        ring->model->set_position(0, behind);
+    }
+    const auto reduced = adjust(*ours.model, ours.scope(false), precise(true));
+    const auto whole = adjust(*ceres.model, ceres.scope(false), precise(false));
+    ASSERT_TRUE(reduced.ok() && whole.ok());
+    EXPECT_EQ(reduced->residuals, whole->residuals);
+    std::size_t observations = 0;
+    for (const WorkingModel::Point& point : ours.model->points()) observations += point.track.size();
+    EXPECT_LT(reduced->residuals, observations);
+}
+
+TEST(DenseCholesky, SolvesLikeEigen) {
+    std::mt19937_64 rng(11);
+    std::normal_distribution<double> normal;
+    for (const Eigen::Index size : {1, 127, 128, 129, 700}) {
+        Eigen::MatrixXd root(size, size);
+        Eigen::VectorXd right(size);
+        for (double& value : root.reshaped()) value = normal(rng);
+        for (double& value : right) value = normal(rng);
+        Eigen::MatrixXd matrix = root * root.transpose();
+        matrix.diagonal().array() += 1.0;
+        const Eigen::VectorXd expected = matrix.llt().solve(right);
+        Eigen::MatrixXd factor = matrix;
+        factor.triangularView<Eigen::StrictlyUpper>().setConstant(1e9);  // is not looked at
+        ASSERT_TRUE(factorize_cholesky(factor)) << size;
+        Eigen::VectorXd solution = right;
+        solve_cholesky(factor, solution);
+        EXPECT_LT((solution - expected).norm(), 1e-8 * expected.norm()) << size;
+    }
+}
+
+TEST(DenseCholesky, RefusesWhatIsNotPositiveDefinite) {
+    for (const Eigen::Index size : {1, 200}) {
+        Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(size, size);
+        matrix(size - 1, size - 1) = -1.0;
+        EXPECT_FALSE(factorize_cholesky(matrix)) << size;
+    }
+}
+
+}  // namespace
+}  // namespace psfm
