@@ -4,6 +4,7 @@
 """tools/bench: figures are computed, programs watched and pages written as they should be. Nothing here tests time."""
 import json
 import os
+import sqlite3
 import stat
 import subprocess
 import sys
@@ -19,6 +20,8 @@ sys.path[:0] = [str(TOOL), str(TOOL.parent / "experiments")]
 import arithmetic  # noqa: E402
 import bench_settings  # noqa: E402
 import console  # noqa: E402
+import kernels  # noqa: E402
+import matching  # noqa: E402
 import over_session  # noqa: E402
 import page  # noqa: E402
 import parts  # noqa: E402
@@ -134,6 +137,53 @@ class Peers(Folder):
         rounds = [{"psfm": {"seconds": ours}, "colmap": {"seconds": theirs}}
                   for ours, theirs in ((1, 10), (4, 20), (9, 30))]
         self.assertAlmostEqual(peers.ratio(rounds, "psfm", "seconds"), 0.2)  # of 0.1, 0.2, 0.3
+
+
+def kernel_run(name, time, unit="ms", **more):
+    return {"name": name, "run_name": name, "run_type": "iteration", "iterations": 10, "real_time": 9.0,
+            "cpu_time": time, "time_unit": unit, **more}
+
+
+class Kernels(unittest.TestCase):
+    def test_medians_over_repetitions_in_seconds(self):
+        read = kernels.read(json.dumps({"benchmarks": [
+            kernel_run("BM_A", 3.0, edges=7.0), kernel_run("BM_A", 1.0, edges=7.0), kernel_run("BM_A", 2.0, edges=7.0),
+            {**kernel_run("BM_A_mean", 2.0), "run_type": "aggregate"}, kernel_run("BM_B", 5.0, "us"),
+            kernel_run("BM_C", 1.0, error_occurred=True, error_message="no AVX-512")]}))
+        self.assertEqual(set(read), {"BM_A", "BM_B"})
+        self.assertAlmostEqual(read["BM_A"]["seconds"], 0.002)
+        self.assertEqual(read["BM_A"]["edges"], 7.0)
+        self.assertAlmostEqual(read["BM_B"]["seconds"], 5e-6)
+
+    def test_the_fraction_of_the_peak(self):
+        measured = {kernels.KERNEL: {"MAC/s": 4e11}, kernels.PEAK: {"MAC/s": 5e11}}
+        self.assertAlmostEqual(kernels.fraction_of_peak(measured), 0.8)
+        self.assertIsNone(kernels.fraction_of_peak({kernels.KERNEL: {"MAC/s": 4e11}}))
+
+    def test_every_kernel_is_built(self):
+        listed = (TOOL.parents[1] / "tests/bench/CMakeLists.txt").read_text()
+        for name in kernels.NAMES:
+            self.assertIn(f"psfm_add_kernel({name} ", listed)
+
+
+class Matching(Folder):
+    def test_features_are_cut_to_a_number(self):
+        database = self.folder / "database.db"
+        connection = sqlite3.connect(database)
+        with connection:
+            for name, cols, size in (("keypoints", 6, 24), ("descriptors", 128, 128)):
+                connection.execute(f"CREATE TABLE {name} (image_id INTEGER, rows INTEGER, cols INTEGER, data BLOB)")
+                for image, rows in ((1, 5), (2, 2)):
+                    data = b"".join(bytes([row]) * size for row in range(rows))
+                    connection.execute(f"INSERT INTO {name} VALUES (?, ?, ?, ?)", (image, rows, cols, data))
+        matching.keep_features(database, 3)
+        for name, size in (("keypoints", 24), ("descriptors", 128)):
+            rows = dict((image, (count, data)) for image, count, data in
+                        connection.execute(f"SELECT image_id, rows, data FROM {name}"))
+            self.assertEqual(rows[1], (3, b"".join(bytes([row]) * size for row in range(3))))
+            self.assertEqual(rows[2][0], 2)
+            self.assertEqual(len(rows[2][1]), 2 * size)
+        connection.close()
 
 
 class Watching(Folder):

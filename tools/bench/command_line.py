@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def add_common(parser):
-    parser.add_argument("--scenes", nargs="+", default=(), metavar="SCENE", help="only these scenes")
+    parser.add_argument("--scenes", nargs="+", default=(), metavar="SCENE", help="only these scenes (kernels)")
     parser.add_argument("--images", type=int, metavar="N", help="only the first N images")
     parser.add_argument("--repeats", type=int, default=1, metavar="N", help="rounds, of which medians are taken (1)")
     parser.add_argument("--datasets", type=Path, default=os.environ.get("PSFM_DATASETS"), metavar="DIR",

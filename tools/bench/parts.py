@@ -4,6 +4,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import kernels
+import matching
 import over_session
 import peers
 import simulated
@@ -28,6 +30,9 @@ class Part:
 PARTS = (
     Part("peers", "Whole programs", "psfm and COLMAP on castle-P19, fountain-P11 and books, in turn: time, memory, "
          "accuracy", peers.measure, peers.section),
+    Part("matching", "Descriptor matching", "pairs a second beside COLMAP's matcher, on the same descriptors",
+         matching.measure, matching.section),
+    Part("kernels", "Kernels", "the Google Benchmark programs of tests/bench", kernels.measure, kernels.section),
     Part("session", "Latency and memory over a session", "quad-streams (--scenes temple-341, castle-P19), one image "
          "after the other", over_session.measure_session, over_session.session_section, over_session.session_plots,
          ("latency", "memory")),

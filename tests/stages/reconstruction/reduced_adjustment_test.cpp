@@ -10,45 +10,18 @@
 #include <random>
 
 #include "stages/reconstruction/dense_cholesky.h"
-#include "tests/stages/reconstruction/problems.h"
+#include "tests/stages/reconstruction/scene_model.h"
 #include "tests/synthetic/disturb.h"
-#include "tests/synthetic/verified_pairs.h"
 
 namespace psfm {
 namespace {
 
 /// The model of a ring of cameras, its truth disturbed alike each time.
-struct DisturbedRing {
-    synthetic::SyntheticScene scene;
-    ClusterProblem problem;
-    std::unique_ptr<CorrespondenceGraph> matches;
-    std::unique_ptr<WorkingModel> model;
-
-    DisturbedRing() {
-        scene = synthetic::add_pixel_noise(
-            synthetic::make_scene(synthetic::ring_around_sphere(16), 3), 0.5, 4);
-        problem = problem_of(scene, synthetic::make_verified_pairs(scene));
-        std::vector<std::uint32_t> counts;
-        std::vector<ImageId> ids;
-        for (const ClusterImage& image : problem.images) {
-            counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
-            ids.push_back(image.id);
-        }
-        matches = std::make_unique<CorrespondenceGraph>(ids, counts, problem.pairs);
-        model = std::make_unique<WorkingModel>(problem, *matches);
-        model->load(synthetic::true_reconstruction(scene, Sim3{}, ids));
-        std::mt19937_64 rng(7);
-        std::normal_distribution<double> normal;
-        const auto noise = [&](double sigma) -> Eigen::Vector3d {
-            return sigma * Eigen::Vector3d(normal(rng), normal(rng), normal(rng));
-        };
-        for (std::uint32_t image = 0; image < model->image_count(); ++image) {
-            Rigid3 pose = model->pose(image);
-            pose.translation += noise(0.02);
-            model->set_pose(image, pose);
-        }
-        for (std::uint32_t point = 0; point < model->points().size(); ++point)
-            model->set_position(point, model->points()[point].position + noise(0.01));
+struct DisturbedRing : SceneModel {
+    DisturbedRing()
+        : SceneModel(synthetic::add_pixel_noise(
+              synthetic::make_scene(synthetic::ring_around_sphere(16), 3), 0.5, 4)) {
+        disturb(0.01, 7);
     }
 
     AdjustmentScope scope(bool free_intrinsics) const {
@@ -77,8 +50,8 @@ double difference(const WorkingModel& a, const WorkingModel& b) {
         most = std::max(most, (a.points()[point].position - b.points()[point].position).norm());
     for (const auto& [id, camera] : a.cameras()) {
         for (std::size_t i = 0; i < camera.params.size(); ++i) {
-            most = std::max(most, std::abs(camera.params[i] - b.cameras().at(id).params[i]) /
-                                      camera.params[0]);
+            most = std::max(
+                most, std::abs(camera.params[i] - b.cameras().at(id).params[i]) / camera.params[0]);
         }
     }
     return most;
@@ -147,7 +120,8 @@ TEST(AdjustReduced, APointBehindACameraIsLeftOutAsInCeres) {
     ASSERT_TRUE(reduced.ok() && whole.ok());
     EXPECT_EQ(reduced->residuals, whole->residuals);
     std::size_t observations = 0;
-    for (const WorkingModel::Point& point : ours.model->points()) observations += point.track.size();
+    for (const WorkingModel::Point& point : ours.model->points())
+        observations += point.track.size();
     EXPECT_LT(reduced->residuals, observations);
 }
 
