@@ -49,7 +49,8 @@ AdjustmentSelection select_residuals(const WorkingModel& model, const Adjustment
     return selection;
 }
 
-AdjustmentParameters lay_out(const WorkingModel& model, const std::vector<AdjustmentResidual>& residuals) {
+AdjustmentParameters lay_out(const WorkingModel& model,
+                             const std::vector<AdjustmentResidual>& residuals) {
     AdjustmentParameters parameters;
     parameters.pose_at.assign(model.image_count(), AdjustmentParameters::kAbsent);
     parameters.point_at.assign(model.points().size(), AdjustmentParameters::kAbsent);
@@ -122,7 +123,8 @@ void write_back(const AdjustmentParameters& parameters, const AdjustmentSelectio
                 const AdjustmentScope& scope, WorkingModel& model) {
     for (const std::uint32_t image : scope.free_images) {
         const std::size_t at = parameters.pose_at[image];
-        if (at != AdjustmentParameters::kAbsent) model.set_pose(image, read_pose(&parameters.values[at]));
+        if (at != AdjustmentParameters::kAbsent)
+            model.set_pose(image, read_pose(&parameters.values[at]));
     }
     for (std::uint32_t point = 0; point < parameters.point_at.size(); ++point) {
         const std::size_t at = parameters.point_at[point];

@@ -19,8 +19,7 @@ ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,
                                            const AdjustmentColumns& columns,
                                            const AdjustmentOptions& options,
                                            const AdjustmentParameters& layout)
-    : model_(model),
-      selection_(selection),
+    : selection_(selection),
       columns_(columns),
       options_(options),
       layout_(layout),
@@ -29,24 +28,28 @@ ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,
         if (layout.pose_at[image] == AdjustmentParameters::kAbsent) continue;
         const CameraId camera = model.camera_id(image);
         const auto intrinsics = columns.intrinsics.find(camera);
-        views_[image] = {
-            model.camera(image).model, layout.pose_at[image], layout.camera_at.at(camera),
-            columns.pose[image],
-            intrinsics == columns.intrinsics.end() ? nullptr : &intrinsics->second};
+        views_[image] = {model.camera(image).model, layout.pose_at[image],
+                         layout.camera_at.at(camera), columns.pose[image],
+                         intrinsics == columns.intrinsics.end() ? nullptr : &intrinsics->second};
+    }
+    observed_.reserve(selection.residuals.size());
+    for (const AdjustmentResidual& residual : selection.residuals) {
+        const Keypoint& keypoint = model.keypoint(residual.feature);
+        observed_.push_back({keypoint.x, keypoint.y, 1.0 / observation_sigma(keypoint, options)});
     }
 }
 
-double ObservationEvaluator::half_loss(const AdjustmentResidual& residual,
+double ObservationEvaluator::half_loss(std::size_t observation,
                                        const std::vector<double>& values) const {
+    const AdjustmentResidual& residual = selection_.residuals[observation];
+    const Observed& observed = observed_[observation];
     const View& view = views_[residual.feature.image];
     const std::array<const double*, 3> blocks{&values[view.pose_at],
                                               &values[layout_.point_at[residual.point]],
                                               &values[view.intrinsics_at]};
-    const Keypoint& keypoint = model_.keypoint(residual.feature);
     Eigen::Vector2d error;
-    if (!evaluate_reprojection(view.model, keypoint.position(),
-                               1.0 / observation_sigma(keypoint, options_), blocks.data(),
-                               error.data(), nullptr)) {
+    if (!evaluate_reprojection(view.model, {observed.x, observed.y}, observed.inverse_sigma,
+                               blocks.data(), error.data(), nullptr)) {
         return std::numeric_limits<double>::infinity();
     }
     // Soft L1, as Ceres has it: rho(s) = 2 b (sqrt(1 + s / b) - 1).
@@ -54,9 +57,10 @@ double ObservationEvaluator::half_loss(const AdjustmentResidual& residual,
     return b * (std::sqrt(1.0 + error.squaredNorm() / b) - 1.0);
 }
 
-void ObservationEvaluator::linearize(const AdjustmentResidual& residual,
-                                     const std::vector<double>& values,
+void ObservationEvaluator::linearize(std::size_t observation, const std::vector<double>& values,
                                      LinearizedObservation& out) const {
+    const AdjustmentResidual& residual = selection_.residuals[observation];
+    const Observed& observed = observed_[observation];
     const View& view = views_[residual.feature.image];
     const std::array<const double*, 3> blocks{&values[view.pose_at],
                                               &values[layout_.point_at[residual.point]],
@@ -65,10 +69,8 @@ void ObservationEvaluator::linearize(const AdjustmentResidual& residual,
     Eigen::Matrix<double, 2, kPointSize, Eigen::RowMajor> by_point;
     Eigen::Matrix<double, 2, kIntrinsicsSize, Eigen::RowMajor> by_intrinsics;
     std::array<double*, 3> jacobians{by_pose.data(), by_point.data(), by_intrinsics.data()};
-    const Keypoint& keypoint = model_.keypoint(residual.feature);
-    evaluate_reprojection(view.model, keypoint.position(),
-                          1.0 / observation_sigma(keypoint, options_), blocks.data(),
-                          out.residual.data(), jacobians.data());
+    evaluate_reprojection(view.model, {observed.x, observed.y}, observed.inverse_sigma,
+                          blocks.data(), out.residual.data(), jacobians.data());
     const double b = options_.loss_scale_px * options_.loss_scale_px;
     const double root = std::sqrt(1.0 + out.residual.squaredNorm() / b);
     // The slope of the loss is 1 / root; its curvature is negative, and left out, as in Ceres.
@@ -91,19 +93,20 @@ void ObservationEvaluator::linearize(const AdjustmentResidual& residual,
     }
 }
 
-void ObservationEvaluator::couple(EliminatedPoint& point) const {
-    for (const LinearizedObservation& seen : point.observations) {
+void ObservationEvaluator::couple(EliminatedPoint& point) {
+    for (std::size_t i = 0; i < point.observations.size(); ++i) {
+        const LinearizedObservation& seen = point.observations[i];
         if (seen.pose != AdjustmentColumns::kHeld) {
             auto& pose = point.poses.emplace_back();
             pose.column = seen.pose;
             pose.size = 6;
+            pose.observation = i;
             pose.cross.noalias() = seen.by_pose.transpose() * seen.by_point;
         }
         if (seen.intrinsics == nullptr) continue;
         const auto size = static_cast<int>(seen.intrinsics->slots.size());
-        auto found =
-            std::ranges::lower_bound(point.intrinsics, seen.intrinsics->column, {},
-                                     &EliminatedPoint::Coupling<kIntrinsicsSize>::column);
+        auto found = std::ranges::lower_bound(point.intrinsics, seen.intrinsics->column, {},
+                                              &EliminatedPoint::Coupling<kIntrinsicsSize>::column);
         if (found == point.intrinsics.end() || found->column != seen.intrinsics->column) {
             found = point.intrinsics.emplace(found);
             found->column = seen.intrinsics->column;
@@ -119,25 +122,27 @@ void ObservationEvaluator::couple(EliminatedPoint& point) const {
     }
 }
 
-void ObservationEvaluator::eliminate(std::span<const AdjustmentResidual> residuals,
+void ObservationEvaluator::eliminate(std::size_t first, std::size_t count,
                                      const std::vector<double>& values, double radius,
                                      EliminatedPoint& out) const {
-    out.observations.resize(residuals.size());
+    out.observations.resize(count);
     out.poses.clear();
     out.intrinsics.clear();
-    for (std::size_t i = 0; i < residuals.size(); ++i)
-        linearize(residuals[i], values, out.observations[i]);
-    out.is_free = selection_.point_is_free[residuals.front().point];
-    if (!out.is_free) return;
-    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    out.is_free = selection_.point_is_free[selection_.residuals[first].point];
+    out.inverse.setZero();
     out.gradient.setZero();
-    for (const LinearizedObservation& seen : out.observations) {
+    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+        LinearizedObservation& seen = out.observations[i];
+        linearize(first + i, values, seen);
         block.noalias() += seen.by_point.transpose() * seen.by_point;
         out.gradient.noalias() += seen.by_point.transpose() * seen.residual;
     }
-    for (int i = 0; i < 3; ++i) out.damping[i] = damping_of(block(i, i), radius);
-    block.diagonal() += out.damping;
-    out.inverse = block.inverse();
+    if (out.is_free) {
+        for (int i = 0; i < 3; ++i) out.damping[i] = damping_of(block(i, i), radius);
+        block.diagonal() += out.damping;
+        out.inverse = block.inverse();
+    }
     couple(out);
 }
 

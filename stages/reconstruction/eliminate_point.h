@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "stages/reconstruction/adjustment_problem.h"
@@ -15,7 +14,7 @@ namespace psfm {
 
 /// Derivatives of one observation, residual and rows multiplied by the root of the loss's slope.
 struct LinearizedObservation {
-    std::size_t pose = AdjustmentColumns::kHeld;               ///< first column; kHeld: it stays
+    std::size_t pose = AdjustmentColumns::kHeld;                ///< first column; kHeld: it stays
     const AdjustmentColumns::Intrinsics* intrinsics = nullptr;  ///< null: they stay
     Eigen::Vector2d residual;
     Eigen::Matrix<double, 2, 6> by_pose;
@@ -31,18 +30,19 @@ struct EliminatedPoint {
     struct Coupling {
         std::size_t column = 0;
         int size = 0;
+        std::size_t observation = 0;  ///< of a pose: the one that it belongs to
         Eigen::Matrix<double, kRows, 3> cross = Eigen::Matrix<double, kRows, 3>::Zero();
         Eigen::Matrix<double, kRows, 3> scaled = cross;
     };
     std::vector<LinearizedObservation> observations;
     std::vector<Coupling<6>> poses;                     ///< ascending by column
     std::vector<Coupling<kIntrinsicsSize>> intrinsics;  ///< ascending by column
-    bool is_free = false;                               ///< otherwise there are no couplings
+    bool is_free = false;  ///< otherwise it stays, and its inverse is zero
     Eigen::Vector3d gradient, damping;
     Eigen::Matrix3d inverse;  ///< of the damped block
 };
 
-/// Evaluates observations at given parameters. Thread-safe.
+/// Evaluates observations, by their number in the selection, at given parameters. Thread-safe.
 class ObservationEvaluator {
   public:
     /// All outlive it.
@@ -51,13 +51,13 @@ class ObservationEvaluator {
                          const AdjustmentParameters& layout);
 
     /// Half the loss of one observation; infinity behind the camera.
-    double half_loss(const AdjustmentResidual& residual, const std::vector<double>& values) const;
+    double half_loss(std::size_t observation, const std::vector<double>& values) const;
     /// REQUIRES: half_loss is finite
-    void linearize(const AdjustmentResidual& residual, const std::vector<double>& values,
+    void linearize(std::size_t observation, const std::vector<double>& values,
                    LinearizedObservation& out) const;
-    /// @param residuals  all of one point
-    /// @param radius     of the trust region, as in Ceres: damping is the block's diagonal over it
-    void eliminate(std::span<const AdjustmentResidual> residuals, const std::vector<double>& values,
+    /// @param first, count  all observations of one point
+    /// @param radius  of the trust region, as in Ceres: damping is the block's diagonal over it
+    void eliminate(std::size_t first, std::size_t count, const std::vector<double>& values,
                    double radius, EliminatedPoint& out) const;
 
   private:
@@ -67,14 +67,20 @@ class ObservationEvaluator {
         std::size_t column = AdjustmentColumns::kHeld;
         const AdjustmentColumns::Intrinsics* intrinsics = nullptr;
     };
-    void couple(EliminatedPoint& point) const;
+    /// A feature beside those of the other images that see the point: looked up each time, half of
+    /// the time would be spent waiting for memory.
+    struct Observed {
+        float x = 0.F, y = 0.F;
+        double inverse_sigma = 1.0;
+    };
+    static void couple(EliminatedPoint& point);
 
-    const WorkingModel& model_;
     const AdjustmentSelection& selection_;
     const AdjustmentColumns& columns_;
     const AdjustmentOptions& options_;
     const AdjustmentParameters& layout_;
     std::vector<View> views_;  // by image
+    std::vector<Observed> observed_;
 };
 
 /// Damping of a diagonal, limited as Ceres does.

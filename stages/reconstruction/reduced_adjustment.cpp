@@ -59,8 +59,7 @@ AdjustmentColumns make_columns(const WorkingModel& model, const AdjustmentScope&
         columns.pose[image] = columns.count;
         if (scope.gauge && scope.gauge->farthest == image) {
             columns.held_translation =
-                columns.count + 3 +
-                static_cast<std::size_t>(scale_coordinate(model, *scope.gauge));
+                columns.count + 3 + static_cast<std::size_t>(scale_coordinate(model, *scope.gauge));
         }
         columns.count += 6;
     }

@@ -17,12 +17,13 @@ struct AdjustmentColumns {
     static constexpr std::size_t kHeld = static_cast<std::size_t>(-1);
     struct Intrinsics {
         std::size_t column = 0;
-        std::vector<int> slots;        ///< free ones, ascending; one column each
+        std::vector<int> slots;  ///< free ones, ascending; one column each
         bool free_principal_point = false;
     };
     std::vector<std::size_t> pose;  ///< per image: first of six columns; kHeld when it stays
-    std::map<CameraId, Intrinsics> intrinsics;   ///< free cameras that take part
-    std::optional<std::size_t> held_translation;  ///< one column of a pose that stays, for the scale
+    std::map<CameraId, Intrinsics> intrinsics;  ///< free cameras that take part
+    std::optional<std::size_t>
+        held_translation;  ///< one column of a pose that stays, for the scale
     std::size_t count = 0;
 };
 
@@ -39,9 +40,9 @@ struct AdjustmentCosts {
 
 /// Levenberg-Marquardt steps on the reduced camera system (Triggs et al., Bundle Adjustment - A
 /// Modern Synthesis, 2000, sec. 6.1), with the residuals, the loss and the step control of Ceres's
-/// solver. Points are eliminated one after the other and their derivatives forgotten, so that memory
-/// is that of the dense system, and a few bytes an observation.
-/// Uses TBB's threads where they are free; the result does not depend on them.
+/// solver. Points are eliminated one after the other and their derivatives forgotten, so that
+/// memory is that of the dense system, and a few bytes an observation. Uses TBB's threads where
+/// they are free; the result does not depend on them.
 /// @param parameters  taken to the least cost that is found
 /// @errors kDegenerate (no step lowers the cost, or a point is behind a camera at the start)
 Result<AdjustmentCosts> adjust_reduced(const WorkingModel& model,

@@ -43,7 +43,8 @@ ReducedSystem::ReducedSystem(const WorkingModel& model, const AdjustmentSelectio
     }
 }
 
-std::vector<ReducedSystem::Group> ReducedSystem::groups_of(const std::vector<AdjustmentResidual>& residuals) {
+std::vector<ReducedSystem::Group> ReducedSystem::groups_of(
+    const std::vector<AdjustmentResidual>& residuals) {
     std::vector<Group> groups;
     for (std::size_t i = 0; i < residuals.size(); ++i) {
         const bool same = i > 0 && residuals[i].point == residuals[i - 1].point;
@@ -62,8 +63,8 @@ std::span<const ReducedSystem::Group> ReducedSystem::batch(std::size_t number) c
     return from.first(std::min(kBatch, from.size()));
 }
 
-bool ReducedSystem::in_stripe(std::size_t column, std::size_t stripe) const {
-    return column * kStripes / columns_.count == stripe;
+ReducedSystem::Stripe ReducedSystem::stripe(std::size_t number) const {
+    return {number * columns_.count / kStripes, (number + 1) * columns_.count / kStripes};
 }
 
 ReducedSystem::LinearizedPrior ReducedSystem::linearize(const Prior& prior,
@@ -79,8 +80,8 @@ double ReducedSystem::cost(const std::vector<double>& values) const {
     std::vector<double> sums(batches(), 0.0);
     in_parallel(sums.size(), [&](std::size_t number) {
         for (const Group& group : batch(number)) {
-            for (const AdjustmentResidual& residual : residuals_of(group))
-                sums[number] += evaluator_.half_loss(residual, values);
+            for (std::size_t i = group.first; i < group.first + group.count; ++i)
+                sums[number] += evaluator_.half_loss(i, values);
         }
     });
     double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
@@ -109,77 +110,72 @@ void ReducedSystem::build(const std::vector<double>& values, double radius) {
     for (std::size_t number = 0; number < batches(); ++number) {
         const std::span<const Group> groups = batch(number);
         in_parallel(groups.size(), [&](std::size_t i) {
-            evaluator_.eliminate(residuals_of(groups[i]), values, radius, points_[i]);
+            evaluator_.eliminate(groups[i].first, groups[i].count, values, radius, points_[i]);
         });
         // A column belongs to one task, which adds the points in their order.
-        in_parallel(kStripes, [&](std::size_t stripe) {
-            for (std::size_t i = 0; i < groups.size(); ++i) {
-                add_observations(points_[i], stripe);
-                if (points_[i].is_free) add_elimination(points_[i], stripe);
-            }
+        in_parallel(kStripes, [&](std::size_t task) {
+            const Stripe columns = stripe(task);
+            for (std::size_t i = 0; i < groups.size(); ++i) add_point(points_[i], columns);
         });
     }
     add_priors(values);
     damp(radius);
 }
 
-void ReducedSystem::add_observations(const EliminatedPoint& point, std::size_t stripe) {
-    for (const LinearizedObservation& seen : point.observations) {
-        const auto free = seen.intrinsics == nullptr
-                              ? Eigen::Index{0}
-                              : static_cast<Eigen::Index>(seen.intrinsics->slots.size());
-        if (seen.pose != AdjustmentColumns::kHeld && in_stripe(seen.pose, stripe)) {
-            const auto column = static_cast<Eigen::Index>(seen.pose);
-            squares_.segment<6>(column) += seen.by_pose.colwise().squaredNorm().transpose();
-            system_.block<6, 6>(column, column).noalias() +=
-                seen.by_pose.transpose() * seen.by_pose;
-            gradient_.segment<6>(column).noalias() += seen.by_pose.transpose() * seen.residual;
-            if (free > 0) {
-                system_
-                    .block(static_cast<Eigen::Index>(seen.intrinsics->column), column, free, 6)
-                    .noalias() += seen.by_intrinsics.leftCols(free).transpose() * seen.by_pose;
-            }
-        }
-        if (free > 0 && in_stripe(seen.intrinsics->column, stripe)) {
-            const auto column = static_cast<Eigen::Index>(seen.intrinsics->column);
-            const auto rows = seen.by_intrinsics.leftCols(free);
-            system_.block(column, column, free, free).noalias() += rows.transpose() * rows;
-            squares_.segment(column, free) += rows.colwise().squaredNorm().transpose();
-            gradient_.segment(column, free).noalias() += rows.transpose() * seen.residual;
-        }
+void ReducedSystem::add_point(const EliminatedPoint& point, const Stripe& stripe) {
+    const auto first = std::ranges::lower_bound(point.poses, stripe.first, {},
+                                                &EliminatedPoint::Coupling<6>::column);
+    for (auto pose = first; pose != point.poses.end() && stripe.has(pose->column); ++pose)
+        add_pose(point, static_cast<std::size_t>(pose - point.poses.begin()));
+    for (std::size_t i = 0; i < point.intrinsics.size(); ++i) {
+        if (stripe.has(point.intrinsics[i].column)) add_intrinsics(point, i);
     }
 }
 
-void ReducedSystem::add_elimination(const EliminatedPoint& point, std::size_t stripe) {
-    for (std::size_t left = 0; left < point.poses.size(); ++left) {
-        const auto& pose = point.poses[left];
-        if (!in_stripe(pose.column, stripe)) continue;
-        const auto column = static_cast<Eigen::Index>(pose.column);
-        eliminated_.segment<6>(column).noalias() -= pose.scaled * point.gradient;
-        for (std::size_t low = left; low < point.poses.size(); ++low) {
-            const auto& other = point.poses[low];
-            system_.block<6, 6>(static_cast<Eigen::Index>(other.column), column).noalias() -=
-                other.cross.lazyProduct(pose.scaled.transpose());
-        }
-        for (const auto& camera : point.intrinsics) {
-            system_
-                .block(static_cast<Eigen::Index>(camera.column), column, camera.size, 6)
-                .noalias() -= camera.cross.topRows(camera.size) * pose.scaled.transpose();
-        }
+void ReducedSystem::add_pose(const EliminatedPoint& point, std::size_t left) {
+    const auto& pose = point.poses[left];
+    const LinearizedObservation& seen = point.observations[pose.observation];
+    const auto column = static_cast<Eigen::Index>(pose.column);
+    squares_.segment<6>(column) += seen.by_pose.colwise().squaredNorm().transpose();
+    system_.block<6, 6>(column, column).noalias() += seen.by_pose.transpose() * seen.by_pose;
+    gradient_.segment<6>(column).noalias() += seen.by_pose.transpose() * seen.residual;
+    if (seen.intrinsics != nullptr) {
+        const auto row = static_cast<Eigen::Index>(seen.intrinsics->column);
+        const auto free = static_cast<Eigen::Index>(seen.intrinsics->slots.size());
+        system_.block(row, column, free, 6).noalias() +=
+            seen.by_intrinsics.leftCols(free).transpose() * seen.by_pose;
     }
-    for (std::size_t left = 0; left < point.intrinsics.size(); ++left) {
-        const auto& camera = point.intrinsics[left];
-        if (!in_stripe(camera.column, stripe)) continue;
-        const auto column = static_cast<Eigen::Index>(camera.column);
-        const auto scaled = camera.scaled.topRows(camera.size);
-        eliminated_.segment(column, camera.size).noalias() -= scaled * point.gradient;
-        for (std::size_t low = left; low < point.intrinsics.size(); ++low) {
-            const auto& other = point.intrinsics[low];
-            system_
-                .block(static_cast<Eigen::Index>(other.column), column, other.size,
-                       camera.size)
-                .noalias() -= other.cross.topRows(other.size) * scaled.transpose();
-        }
+    if (!point.is_free) return;
+    eliminated_.segment<6>(column).noalias() -= pose.scaled * point.gradient;
+    for (std::size_t low = left; low < point.poses.size(); ++low) {
+        const auto& other = point.poses[low];
+        system_.block<6, 6>(static_cast<Eigen::Index>(other.column), column).noalias() -=
+            other.cross.lazyProduct(pose.scaled.transpose());
+    }
+    for (const auto& camera : point.intrinsics) {
+        system_.block(static_cast<Eigen::Index>(camera.column), column, camera.size, 6).noalias() -=
+            camera.cross.topRows(camera.size) * pose.scaled.transpose();
+    }
+}
+
+void ReducedSystem::add_intrinsics(const EliminatedPoint& point, std::size_t left) {
+    const auto& camera = point.intrinsics[left];
+    const auto column = static_cast<Eigen::Index>(camera.column);
+    for (const LinearizedObservation& seen : point.observations) {
+        if (seen.intrinsics == nullptr || seen.intrinsics->column != camera.column) continue;
+        const auto rows = seen.by_intrinsics.leftCols(camera.size);
+        system_.block(column, column, camera.size, camera.size).noalias() +=
+            rows.transpose() * rows;
+        squares_.segment(column, camera.size) += rows.colwise().squaredNorm().transpose();
+        gradient_.segment(column, camera.size).noalias() += rows.transpose() * seen.residual;
+    }
+    if (!point.is_free) return;
+    const auto scaled = camera.scaled.topRows(camera.size);
+    eliminated_.segment(column, camera.size).noalias() -= scaled * point.gradient;
+    for (std::size_t low = left; low < point.intrinsics.size(); ++low) {
+        const auto& other = point.intrinsics[low];
+        system_.block(static_cast<Eigen::Index>(other.column), column, other.size, camera.size)
+            .noalias() -= other.cross.topRows(other.size) * scaled.transpose();
     }
 }
 
@@ -223,8 +219,7 @@ void ReducedSystem::move_cameras(const Eigen::VectorXd& delta, std::vector<doubl
     for (const auto& [camera, intrinsics] : columns_.intrinsics) {
         double* values = &moved[layout_.camera_at.at(camera)];
         for (std::size_t i = 0; i < intrinsics.slots.size(); ++i) {
-            values[intrinsics.slots[i]] +=
-                delta[static_cast<Eigen::Index>(intrinsics.column + i)];
+            values[intrinsics.slots[i]] += delta[static_cast<Eigen::Index>(intrinsics.column + i)];
         }
     }
 }
@@ -235,10 +230,9 @@ double ReducedSystem::move_points(const std::vector<double>& values, double radi
     in_parallel(gains.size(), [&](std::size_t number) {
         EliminatedPoint point;
         for (const Group& group : batch(number)) {
-            const std::span<const AdjustmentResidual> residuals = residuals_of(group);
-            const std::uint32_t index = residuals.front().point;
+            const std::uint32_t index = selection_.residuals[group.first].point;
             if (!selection_.point_is_free[index]) continue;
-            evaluator_.eliminate(residuals, values, radius, point);
+            evaluator_.eliminate(group.first, group.count, values, radius, point);
             Eigen::Vector3d sum = point.gradient;
             for (const auto& pose : point.poses) {
                 sum.noalias() += pose.cross.transpose() *

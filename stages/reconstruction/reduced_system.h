@@ -55,16 +55,19 @@ class ReducedSystem {
     static std::vector<Group> groups_of(const std::vector<AdjustmentResidual>& residuals);
     static LinearizedPrior linearize(const Prior& prior, const std::vector<double>& values);
 
-    std::span<const AdjustmentResidual> residuals_of(const Group& group) const {
-        return std::span(selection_.residuals).subspan(group.first, group.count);
-    }
     std::size_t batches() const;
     std::span<const Group> batch(std::size_t number) const;
-    bool in_stripe(std::size_t column, std::size_t stripe) const;
+    /// Columns [first, last) are one task's.
+    struct Stripe {
+        std::size_t first = 0, last = 0;
+        bool has(std::size_t column) const { return first <= column && column < last; }
+    };
+    Stripe stripe(std::size_t number) const;
 
     void build(const std::vector<double>& values, double radius);
-    void add_observations(const EliminatedPoint& point, std::size_t stripe);
-    void add_elimination(const EliminatedPoint& point, std::size_t stripe);
+    void add_point(const EliminatedPoint& point, const Stripe& stripe);
+    void add_pose(const EliminatedPoint& point, std::size_t left);
+    void add_intrinsics(const EliminatedPoint& point, std::size_t left);
     void add_priors(const std::vector<double>& values);
     void damp(double radius);
     void move_cameras(const Eigen::VectorXd& delta, std::vector<double>& moved) const;
@@ -78,8 +81,8 @@ class ReducedSystem {
     std::vector<Group> groups_;
     std::vector<EliminatedPoint> points_;  // of one batch
     std::deque<Prior> priors_;
-    Eigen::MatrixXd system_;  // its lower triangle
-    Eigen::VectorXd eliminated_;  // what elimination adds to the gradient
+    Eigen::MatrixXd system_;                        // its lower triangle
+    Eigen::VectorXd eliminated_;                    // what elimination adds to the gradient
     Eigen::VectorXd gradient_, squares_, damping_;  // of the cameras: J'r, diagonal of J'J, added
 };
 
