@@ -56,4 +56,8 @@ void CorrespondenceGraph::gather(std::uint32_t image) const {
         [&](std::uint32_t own, const Feature& other) { all.targets[next[own]++] = other; });
 }
 
+void CorrespondenceGraph::forget() const {
+    for (Matches& gathered_matches : matches_) gathered_matches = {};
+}
+
 }  // namespace psfm

@@ -41,6 +41,10 @@ class CorrespondenceGraph {
         return std::span(all.targets).subspan(first, all.offsets[feature.feature + 1] - first);
     }
 
+    /// Gives back the memory of what was gathered; who asks again waits again. Spans that matches()
+    /// has returned are void.
+    void forget() const;
+
   private:
     struct Partner {
         std::uint32_t image = 0;

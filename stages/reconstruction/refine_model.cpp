@@ -77,6 +77,8 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
         const bool thin = refinement.points_per_image > 0 &&
                           model.registered_count() >= refinement.thin_from_images;
         if (thin) scope.points = covering_points(model, refinement.points_per_image);
+        // Half a megabyte an image, which is not looked at before the next round.
+        model.matches().forget();
         const auto report = adjust(model, scope, refinement.adjustment);
         if (!report.ok()) return report.error();
         ++adjustments;

@@ -18,9 +18,8 @@ namespace {
 void adjust_ring(benchmark::State& state, std::uint32_t dense_up_to_images) {
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     const auto scene = synthetic::add_pixel_noise(
-        synthetic::make_scene(synthetic::ring_around_sphere(
-                                  static_cast<std::uint32_t>(state.range(0))),
-                              3),
+        synthetic::make_scene(
+            synthetic::ring_around_sphere(static_cast<std::uint32_t>(state.range(0))), 3),
         0.5, 4);
     AdjustmentOptions options;
     options.dense_up_to_images = dense_up_to_images;

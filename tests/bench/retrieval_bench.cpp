@@ -28,8 +28,8 @@ void BM_Retrieve(benchmark::State& state) {
     }
     std::uint32_t next = indexed;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(run_retrieval(*rebuilt, ImageId{next}, *ring.images[next],
-                                               ring.source(), options));
+        benchmark::DoNotOptimize(
+            run_retrieval(*rebuilt, ImageId{next}, *ring.images[next], ring.source(), options));
         ++next;
     }
 }

@@ -15,8 +15,8 @@ namespace {
 std::vector<RelativeRotation> edges_of(const synthetic::RotationGraph& graph) {
     std::vector<RelativeRotation> edges;
     for (const synthetic::RotationEdge& edge : graph.edges) {
-        edges.push_back({index_of(edge.pair.first), index_of(edge.pair.second),
-                         edge.cam2_from_cam1, edge.weight});
+        edges.push_back({index_of(edge.pair.first), index_of(edge.pair.second), edge.cam2_from_cam1,
+                         edge.weight});
     }
     return edges;
 }

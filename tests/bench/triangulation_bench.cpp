@@ -25,8 +25,8 @@ void BM_Triangulate(benchmark::State& state) {
         views.push_back(view);
     }
     for (auto _ : state) benchmark::DoNotOptimize(triangulate(views));
-    state.counters["points/s"] = benchmark::Counter(static_cast<double>(state.iterations()),
-                                                    benchmark::Counter::kIsRate);
+    state.counters["points/s"] =
+        benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 BENCHMARK(BM_Triangulate)->ArgName("views")->Arg(2)->Arg(5)->Arg(20);
 

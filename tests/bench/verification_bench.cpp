@@ -26,8 +26,8 @@ void BM_VerifyPair(benchmark::State& state) {
         inliers = geometry.ok() ? geometry->inliers.size() : 0;
     }
     state.counters["inliers"] = static_cast<double>(inliers);
-    state.counters["pairs/s"] = benchmark::Counter(static_cast<double>(state.iterations()),
-                                                   benchmark::Counter::kIsRate);
+    state.counters["pairs/s"] =
+        benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 BENCHMARK(BM_VerifyPair)
     ->ArgNames({"matches", "wrong_percent", "focals_known"})
