@@ -28,10 +28,8 @@ bool has_orphaned_tables(const std::filesystem::path& folder) {
 /// Whether the database can be opened as its writer would, every table and the whole log. A
 /// secondary instance does not say: it falls back on the last state whose tables it can read.
 /// Writers are kept out meanwhile; beside one there is nothing to do, as it looked when it opened.
-Result<void> look_through(const std::filesystem::path& session,
-                          const std::filesystem::path& scratch, const StoreOptions& options) {
-    DatabaseOptions setup = make_database_options(options, nullptr);
-    setup.database.db_log_dir = scratch.string();
+Result<void> look_through(const std::filesystem::path& session, const StoreOptions& options) {
+    const DatabaseOptions setup = make_database_options(options, nullptr);
     rocksdb::DB* db = nullptr;
     std::vector<rocksdb::ColumnFamilyHandle*> handles;
     const rocksdb::Status status = rocksdb::DB::OpenForReadOnly(
@@ -85,7 +83,7 @@ Result<std::unique_ptr<Database>> Database::open_secondary(const std::filesystem
     const bool beside_writer = !quiet->has_value();
     // A writer that is there has looked through everything when it opened.
     if (!beside_writer) {
-        auto looked = look_through(session, database->scratch_->path(), options);
+        auto looked = look_through(session, options);
         if (!looked) return looked.error();
     }
     rocksdb::Status status;

@@ -12,6 +12,9 @@ namespace {
 
 constexpr const char* kSpaceRemedy = ": the disk is full; make space, then run 'psfm resume'";
 
+constexpr const char* kIoRemedy =
+    "; what was acknowledged is stored: look after the disk, then run 'psfm resume'";
+
 }  // namespace
 
 Error system_error(const std::string& what, int error_number) {
@@ -27,7 +30,7 @@ Error database_error(const std::string& where, const rocksdb::Status& status) {
     if (status.IsCorruption() || status.IsPathNotFound() || status.IsInvalidArgument()) {
         return {ErrorCode::kDamaged, where + " is damaged: " + status.ToString() + kDamageRemedy};
     }
-    return {ErrorCode::kIo, where + ": " + status.ToString()};
+    return {ErrorCode::kIo, where + ": " + status.ToString() + kIoRemedy};
 }
 
 }  // namespace psfm

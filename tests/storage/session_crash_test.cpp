@@ -32,26 +32,8 @@ TEST(SessionCrash, LosesNothingThatWasAcknowledgedWhenKilled) {
         EXPECT_GE((*store)->scene()->version, acknowledged);
         EXPECT_EQ(testing::difference(**store), "");
         EXPECT_TRUE((*store)->check({})->damaged.empty());
-        // Commits of the last image that were not reached: made up for here, as `resume` does.
         const auto images = static_cast<std::uint32_t>((*store)->images()->size());
-        const std::uint32_t last = images - 1;
-        if (*(*store)->verified_image_count() < images) {
-            ASSERT_TRUE((*store)
-                            ->commit_pairs(static_cast<ImageId>(last),
-                                           testing::expected_pairs(last),
-                                           {testing::expected_cluster(last, false)}, {})
-                            .ok());
-        }
-        if (images >= testing::kFirstSolved &&
-            (*store)->clusters()->front().solved_topology < images) {
-            ASSERT_TRUE((*store)
-                            ->commit_solution(testing::expected_solution(last),
-                                              testing::expected_cluster(last, true))
-                            .ok());
-        }
-        if ((*store)->scene()->version < images) {
-            ASSERT_TRUE((*store)->commit_scene(testing::expected_scene(last), {}).ok());
-        }
+        ASSERT_TRUE(testing::finish(**store, images));
     }
 }
 
@@ -85,8 +67,8 @@ TEST(SessionCrash, ATornLogEndsAtAWholeCommit) {
 }
 
 TEST(SessionCrash, AFullDiskIsSaidAndHarmless) {
-    const auto disk = std::make_shared<testing::FullDisk>();
-    const std::unique_ptr<rocksdb::Env> env = rocksdb::NewCompositeEnv(disk);
+    const auto disk = std::make_shared<testing::FaultFileSystem>();
+    const std::unique_ptr<rocksdb::Env> env = testing::make_env(disk);
     const TemporaryFolder folder;
     std::uint32_t whole = 0;
     {
@@ -118,8 +100,8 @@ TEST(SessionCrash, AFullDiskIsSaidAndHarmless) {
 }
 
 TEST(SessionCrash, AFullDiskAtCreationLeavesAFolderThatCanBeUsedLater) {
-    const auto disk = std::make_shared<testing::FullDisk>();
-    const std::unique_ptr<rocksdb::Env> env = rocksdb::NewCompositeEnv(disk);
+    const auto disk = std::make_shared<testing::FaultFileSystem>();
+    const std::unique_ptr<rocksdb::Env> env = testing::make_env(disk);
     const TemporaryFolder folder;
     for (const std::int64_t bytes : {0, 100, 400, 1000}) {
         disk->set_free_bytes(bytes);

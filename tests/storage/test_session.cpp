@@ -121,6 +121,29 @@ bool commit_all(SessionStore& store, std::uint32_t image) {
     return store.commit_scene(expected_scene(image), {}).ok();
 }
 
+bool finish(SessionStore& store, std::uint32_t images) {
+    const auto count = static_cast<std::uint32_t>(store.images()->size());
+    if (count > 0) {
+        const std::uint32_t last = count - 1;
+        if (*store.verified_image_count() < count &&
+            !store.commit_pairs(static_cast<ImageId>(last), expected_pairs(last),
+                                {expected_cluster(last, false)}, {})) {
+            return false;
+        }
+        if (count >= kFirstSolved && store.clusters()->front().solved_topology < count &&
+            !store.commit_solution(expected_solution(last), expected_cluster(last, true))) {
+            return false;
+        }
+        if (store.scene()->version < count && !store.commit_scene(expected_scene(last))) {
+            return false;
+        }
+    }
+    for (std::uint32_t image = count; image < images; ++image) {
+        if (!commit_all(store, image)) return false;
+    }
+    return true;
+}
+
 namespace {
 
 std::string features_difference(const SessionReader& session, std::uint32_t image) {

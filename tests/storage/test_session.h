@@ -43,6 +43,10 @@ StoredSceneVersion expected_scene(std::uint32_t image);
 /// All commits of one image, 4 or 5. @return false at the first that fails
 bool commit_all(SessionStore& store, std::uint32_t image);
 
+/// As `resume` does: the commits of the last image that were not reached, then all of those up to
+/// `images`. @return false at the first that fails
+bool finish(SessionStore& store, std::uint32_t images);
+
 /// "" when everything that a session of that many whole images must hold is there and as committed;
 /// else what is wrong. The image after the last one may be there in part.
 std::string difference(const SessionReader& session);
