@@ -134,7 +134,7 @@ bool finish(SessionStore& store, std::uint32_t images) {
             !store.commit_solution(expected_solution(last), expected_cluster(last, true))) {
             return false;
         }
-        if (store.scene()->version < count && !store.commit_scene(expected_scene(last))) {
+        if (store.scene()->version < count && !store.commit_scene(expected_scene(last), {})) {
             return false;
         }
     }
