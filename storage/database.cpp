@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "storage/database_options.h"
+#include "storage/log_structure.h"
 #include "storage/session_folder.h"
 #include "storage/system_error.h"
 
@@ -29,6 +30,7 @@ bool has_orphaned_tables(const std::filesystem::path& folder) {
 /// secondary instance does not say: it falls back on the last state whose tables it can read.
 /// Writers are kept out meanwhile; beside one there is nothing to do, as it looked when it opened.
 Result<void> look_through(const std::filesystem::path& session, const StoreOptions& options) {
+    if (auto sound = check_logs(session); !sound) return sound;
     const DatabaseOptions setup = make_database_options(options, nullptr);
     rocksdb::DB* db = nullptr;
     std::vector<rocksdb::ColumnFamilyHandle*> handles;
@@ -54,6 +56,7 @@ Result<std::unique_ptr<Database>> Database::open_primary(const std::filesystem::
         return Error{ErrorCode::kDamaged,
                      label + " has lost its marker and its database's index" + kDamageRemedy};
     }
+    if (const auto sound = check_logs(session); !sound) return sound.error();
     DatabaseOptions setup = make_database_options(options, env);
     setup.database.create_if_missing = mode == DatabaseMode::kCreate;
     setup.database.create_missing_column_families = mode == DatabaseMode::kCreate;
@@ -128,6 +131,16 @@ Result<void> Database::write(rocksdb::WriteBatch& batch) {
     options.sync = true;
     const rocksdb::Status status = db_->Write(options, &batch);
     if (!status.ok()) return database_error(label_, status);
+    return {};
+}
+
+Result<void> Database::compact() {
+    rocksdb::CompactRangeOptions options;
+    options.bottommost_level_compaction = rocksdb::BottommostLevelCompaction::kForceOptimized;
+    for (rocksdb::ColumnFamilyHandle* handle : handles_) {
+        const rocksdb::Status status = db_->CompactRange(options, handle, nullptr, nullptr);
+        if (!status.ok()) return database_error(label_, status);
+    }
     return {};
 }
 

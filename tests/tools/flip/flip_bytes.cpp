@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// flip_bytes SESSION FIRST STEP: flips the bytes FIRST, FIRST + STEP, … of a session's files (its
-// database and its marker, in order of their names), one at a time and in place, reads everything
+// flip_bytes SESSION FIRST STEP [BEGINNING]: flips the bytes FIRST, FIRST + STEP, … of a session's
+// files (its marker and its database without OPTIONS, which nobody reads, in order of their names;
+// only those whose names begin so), one at a time and in place, reads everything
 // that can be read of the session each time, and puts the byte back. SESSION is a copy that nobody
 // else uses. Prints "FILE OUTCOME COUNT" at the end, and every change and crash as it happens.
 //   same       everything is read as before, and check finds nothing
@@ -36,9 +37,14 @@ struct Byte {
     std::uintmax_t offset = 0;
 };
 
-std::vector<Byte> bytes_of(const fs::path& session, std::uintmax_t first, std::uintmax_t step) {
+std::vector<Byte> bytes_of(const fs::path& session, std::uintmax_t first, std::uintmax_t step,
+                           const std::string& beginning) {
     std::vector<fs::path> files{session / "psfm-session"};
     for (const auto& entry : fs::directory_iterator(session / "db")) files.push_back(entry.path());
+    std::erase_if(files, [&](const fs::path& file) {
+        const std::string name = file.filename().string();
+        return name.starts_with("OPTIONS") || !name.starts_with(beginning);
+    });
     std::sort(files.begin(), files.end());
     std::vector<Byte> bytes;
     std::uintmax_t before = 0;
@@ -140,12 +146,13 @@ std::size_t flip_in_child(const fs::path& session, const std::vector<Byte>& byte
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 4) {
-        std::fprintf(stderr, "usage: flip_bytes SESSION FIRST STEP\n");
+    if (argc != 4 && argc != 5) {
+        std::fprintf(stderr, "usage: flip_bytes SESSION FIRST STEP [BEGINNING]\n");
         return EXIT_FAILURE;
     }
     const fs::path session = argv[1];
-    const std::vector<Byte> bytes = bytes_of(session, std::stoull(argv[2]), std::stoull(argv[3]));
+    const std::vector<Byte> bytes =
+        bytes_of(session, std::stoull(argv[2]), std::stoull(argv[3]), argc == 5 ? argv[4] : "");
     std::map<std::string, std::size_t> counts;
     for (std::size_t next = 0; next < bytes.size();)
         next = flip_in_child(session, bytes, next, counts);
