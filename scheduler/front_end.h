@@ -65,4 +65,11 @@ Result<std::unique_ptr<FrontEnd>> make_photograph_front_end(const FrontEndParts&
 Result<std::unique_ptr<FrontEnd>> make_database_front_end(const FrontEndParts& parts,
                                                           const std::string& database_file);
 
+struct Salvage;
+
+/// What a damaged session still holds of images and pairs, and `inner` for the rest.
+/// @param salvage  outlives the front end; its counts are kept up to date
+std::unique_ptr<FrontEnd> make_salvage_front_end(const FrontEndParts& parts,
+                                                 std::unique_ptr<FrontEnd> inner, Salvage& salvage);
+
 }  // namespace psfm

@@ -83,8 +83,8 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
 Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
                                                  const SessionConfig& config,
                                                  const StageOptions& options,
-                                                 const SessionState& state,
-                                                 tbb::task_arena& arena) {
+                                                 const SessionState& state, tbb::task_arena& arena,
+                                                 Salvage* salvage) {
     FrontEndParts parts{&store, &options, config.seed, {}};
     for (std::uint32_t i = 0; i < state.verified; ++i)
         parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera)});
@@ -94,6 +94,8 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
                         ? make_photograph_front_end(parts, config.vocabulary_file)
                         : make_database_front_end(parts, config.colmap_database);
     });
+    if (front_end.ok() && salvage != nullptr)
+        return make_salvage_front_end(parts, *std::move(front_end), *salvage);
     return front_end;
 }
 
@@ -101,7 +103,8 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
 
 Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
                                const ExecutionOptions& execution, PhotoSource& photos,
-                               SessionObserver& observer, const std::atomic<bool>& stop) {
+                               SessionObserver& observer, const std::atomic<bool>& stop,
+                               Salvage* salvage) {
     const auto options = stage_options(config);
     if (!options.ok()) return options.error();
     auto restored = restore_session(store, config, *options);
@@ -114,7 +117,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     // The thread that feeds the graph sleeps most of the time: it has a slot of its own beside the
     // workers'.
     tbb::task_arena arena(threads + 1, 1);
-    auto front_end = make_front_end(store, config, *options, restored->state, arena);
+    auto front_end = make_front_end(store, config, *options, restored->state, arena, salvage);
     if (!front_end.ok()) return front_end.error();
     SessionGraph::Parts parts;
     parts.committed_images = restored->state.verified;

@@ -10,6 +10,7 @@
 #include "graph/result.h"
 #include "scheduler/messages.h"
 #include "scheduler/node_times.h"
+#include "scheduler/salvage.h"
 #include "scheduler/session_config.h"
 #include "stages/features/photo_file.h"
 #include "storage/session_store.h"
@@ -62,8 +63,10 @@ struct SessionRun {
 /// not changed, are skipped.
 /// @errors those of the store and of the front end (vocabulary file, database); the store stays
 /// consistent
+/// @param salvage  a damaged session that images and pairs are taken over from; null: none
 Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
                                const ExecutionOptions& execution, PhotoSource& photos,
-                               SessionObserver& observer, const std::atomic<bool>& stop);
+                               SessionObserver& observer, const std::atomic<bool>& stop,
+                               Salvage* salvage = nullptr);
 
 }  // namespace psfm

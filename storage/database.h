@@ -48,6 +48,8 @@ class Database {
 
     /// One atomic, synced write. @errors kNoSpace, kIo, kDamaged
     Result<void> write(rocksdb::WriteBatch& batch);
+    /// Rewrites all tables without what was replaced or deleted. @errors kNoSpace, kIo, kDamaged
+    Result<void> compact();
     /// Secondary: follows the writer. Primary: does nothing. @return whether there was anything new
     Result<bool> catch_up() const;
 

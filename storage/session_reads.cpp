@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/session_reads.h"
 
+#include <algorithm>
+
 #include "storage/image_records.h"
 #include "storage/pair_records.h"
 #include "storage/record_reads.h"
+#include "storage/tolerant_walk.h"
 
 namespace psfm {
 namespace {
@@ -71,6 +74,27 @@ Result<std::vector<Image>> SessionReads::images() const {
             });
         if (!visited) return visited.error();
         return images;
+    });
+}
+
+Result<IntactImages> SessionReads::intact_images() const {
+    return read_consistently(*database_, [](const ReadView& view) -> Result<IntactImages> {
+        IntactImages intact;
+        for (const Family family :
+             {Family::kImages, Family::kKeypoints, Family::kDescriptors, Family::kPairs}) {
+            const auto record = [&](std::string_view key, std::string_view value) {
+                const auto id = decode_image_key(key);
+                if (!id) return;
+                intact.count = std::max(intact.count, index_of(*id) + 1);
+                if (family != Family::kImages) return;
+                auto image = open_and_decode(
+                    view, family, RecordKind::kImage, key, value,
+                    [&](std::string_view payload) { return decode_image(*id, payload); });
+                if (image) intact.images.push_back(*std::move(image));
+            };
+            walk_family(view, family, {record, [](const auto&, const auto&, const auto&) {}});
+        }
+        return intact;
     });
 }
 

@@ -20,6 +20,7 @@ class SessionReads {
 
     Result<SessionSettings> settings() const;
     Result<std::vector<Image>> images() const;
+    Result<IntactImages> intact_images() const;
     Result<std::map<CameraId, Camera>> cameras() const;
     Result<std::vector<RejectedPhoto>> rejected() const;
     Result<std::shared_ptr<const Keypoints>> keypoints(ImageId image) const;

@@ -105,6 +105,12 @@ struct DamagedRecord {
     std::string problem;
 };
 
+/// What is left of the images of a damaged session.
+struct IntactImages {
+    std::vector<Image> images;  ///< whose records can be read, ascending by id
+    std::uint32_t count = 0;    ///< ids that any record knows of are below
+};
+
 /// What `check` saw.
 struct CheckReport {
     std::vector<std::pair<std::string, std::uint64_t>> records;  ///< kind, count
@@ -143,6 +149,8 @@ class SessionReader {
     /// for the latest version; else the models hold poses and cameras only. kNotFound: no such
     /// version is kept.
     virtual Result<Scene> scene_after(std::uint32_t image_count) const = 0;
+    /// The images, without those whose records are damaged or missing.
+    virtual Result<IntactImages> intact_images() const = 0;
     virtual Result<CheckReport> check(
         const std::function<void(std::uint64_t done)>& progress) const = 0;
     /// Follows the writer (readers in other processes); does nothing in the writer itself.
@@ -183,6 +191,8 @@ class SessionStore : public SessionReader {
     /// changed.
     virtual Result<void> commit_scene(const StoredSceneVersion& version,
                                       const std::vector<StoredCluster>& changed) = 0;
+    /// Gives space back that replaced and dropped records still take.
+    virtual Result<void> compact() = 0;
 };
 
 /// Opens a session for reading beside a busy writer (RocksDB secondary instance).

@@ -32,6 +32,7 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     SessionWriter(std::unique_ptr<Database> database, WriterState state,
                   const StoreOptions& options);
 
+    Result<void> compact() override { return database().compact(); }
     Result<void> put_settings(const SessionSettings& settings) override;
     Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
                               const Descriptors& descriptors) override;

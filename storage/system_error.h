@@ -22,6 +22,6 @@ Error database_error(const std::string& where, const rocksdb::Status& status);
 
 /// Appended to messages about damage: what a person can do.
 inline constexpr const char* kDamageRemedy =
-    "; 'psfm check' lists all damage, restore the folder from a copy or start a new session";
+    "; 'psfm check' lists all damage, 'psfm repair' recomputes what it can";
 
 }  // namespace psfm

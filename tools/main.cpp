@@ -38,6 +38,8 @@ int run(int argc, char** argv) {
     psfm::add_export_command(app, exit_code);
     psfm::add_evaluate_command(app, exit_code);
     psfm::add_check_command(app, exit_code);
+    psfm::add_repair_command(app, exit_code);
+    psfm::add_compact_command(app, exit_code);
     psfm::add_vocabulary_command(app, exit_code);
     psfm::add_simulate_command(app, exit_code);
     try {

@@ -36,8 +36,8 @@ int check(const std::string& session) {
         return 0;
     }
     std::cerr << "psfm: " << report->damaged.size() << " records of " << session
-              << " are damaged; restore the folder from a copy, or run its photographs into a new "
-                 "session\n";
+              << " are damaged; recompute what can be with: psfm repair --session " << session
+              << '\n';
     return kStoreDamaged;
 }
 

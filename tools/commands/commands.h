@@ -19,6 +19,8 @@ void add_resume_command(CLI::App& app, int& exit_code);
 void add_import_command(CLI::App& app, int& exit_code);
 void add_status_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);
+void add_repair_command(CLI::App& app, int& exit_code);
+void add_compact_command(CLI::App& app, int& exit_code);
 void add_vocabulary_command(CLI::App& app, int& exit_code);
 void add_export_command(CLI::App& app, int& exit_code);
 void add_evaluate_command(CLI::App& app, int& exit_code);

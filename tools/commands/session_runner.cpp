@@ -40,26 +40,9 @@ void catch_interrupts() {
     sigaction(SIGTERM, &action, nullptr);
 }
 
-/// What could take part: the folder's photographs, or the database's images.
-Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request) {
-    std::vector<PhotoFile> photos;
-    if (!request.config.colmap_database.empty()) {
-        const auto database = ColmapDatabase::open(request.input);
-        if (!database.ok()) return database.error();
-        for (const DatabaseImage& image : (*database)->images())
-            photos.push_back({request.input, image.name});
-        return photos;
-    }
-    auto listing = list_photos(request.input);
-    if (!listing.ok()) return listing.error();
-    for (const RejectedPath& rejected : listing->rejected) {
-        std::cerr << "rejected " << rejected.name << ": " << rejected.reason << '\n';
-    }
-    return std::move(listing->photos);
-}
-
 /// The photographs that take part, in order of arrival.
 Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
+    if (request.photos) return *request.photos;
     auto photos = photos_by_name(request);
     if (!photos.ok() || request.config.order.empty()) return photos;
     std::map<std::string, PhotoFile> by_name;
@@ -100,6 +83,23 @@ void print_summary(const SessionRun& run, const RunRequest& request) {
 
 }  // namespace
 
+Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request) {
+    std::vector<PhotoFile> photos;
+    if (!request.config.colmap_database.empty()) {
+        const auto database = ColmapDatabase::open(request.input);
+        if (!database.ok()) return database.error();
+        for (const DatabaseImage& image : (*database)->images())
+            photos.push_back({request.input, image.name});
+        return photos;
+    }
+    auto listing = list_photos(request.input);
+    if (!listing.ok()) return listing.error();
+    for (const RejectedPath& rejected : listing->rejected) {
+        std::cerr << "rejected " << rejected.name << ": " << rejected.reason << '\n';
+    }
+    return std::move(listing->photos);
+}
+
 int run_and_report(SessionStore& store, const RunRequest& request) {
     std::unique_ptr<PhotoSource> source;
     std::size_t expected = 0;
@@ -129,7 +129,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     {
         Progress progress(expected, std::move(log));
         run = run_session(store, request.config, request.execution, *source, progress,
-                          stop_requested);
+                          stop_requested, request.salvage);
         if (run.ok()) progress.on_end(*run);
         log_failed = progress.log_failed();
     }
@@ -137,8 +137,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     print_summary(*run, request);
     if (run->interrupted) {
         std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
-                     "psfm resume --session "
-                  << request.session.string() << '\n';
+                     "psfm "
+                  << request.go_on_command << " --session " << request.session.string() << '\n';
         return request.watch ? 0 : 1;
     }
     if (log_failed) {

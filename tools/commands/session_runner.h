@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,14 @@ struct RunRequest {
     ExecutionOptions execution;
     std::string log_file;  ///< empty: no log
     bool watch = false;
+    std::optional<std::vector<PhotoFile>> photos;  ///< these, instead of what `input` holds
+    Salvage* salvage = nullptr;                    ///< what is taken over from a damaged session
+    std::string go_on_command = "resume";          ///< what goes on after a Ctrl-C
 };
+
+/// What could take part: the folder's photographs, or the database's images; ascending by name.
+/// Tells of files that cannot.
+Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request);
 
 /// Runs a session in an open store, from listing the photographs to the summary on stdout; Ctrl-C
 /// stops it in order.
