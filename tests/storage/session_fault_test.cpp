@@ -123,7 +123,10 @@ TEST_P(OneFailure, OfAWriteOrSyncLosesNothing) {
     EXPECT_GT(failed, 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(SessionFaults, OneFailure, ::testing::Values(Call::kAppend, Call::kSync));
+INSTANTIATE_TEST_SUITE_P(SessionFaults, OneFailure, ::testing::Values(Call::kAppend, Call::kSync),
+                         [](const auto& call) {
+                             return call.param == Call::kAppend ? "Append" : "Sync";
+                         });
 
 TEST(SessionFaults, APowerCutAtAnyWriteOrSyncLosesNothingAcknowledged) {
     const std::int64_t calls =
