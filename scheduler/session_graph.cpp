@@ -266,6 +266,7 @@ void SessionGraph::put(const ResumedImage& image) {
     nodes_->commit.try_put(image);
 }
 void SessionGraph::put(const CatchUp& first) {
+    nodes_->parts.times->arrived(GraphNode::kCommit);
     nodes_->commit.try_put(first);
 }
 void SessionGraph::end_of_photos(std::uint64_t photos) {

@@ -147,6 +147,8 @@ TEST_F(RunSessionTest, TellsWhatItsNodesDid) {
         EXPECT_NEAR(node.busy_s + node.waiting_s + node.starved_s, usage.seconds,
                     1e-6 * usage.seconds)
             << name_of(node.node);
+        EXPECT_LE(node.queued_s, static_cast<double>(node.runs) * usage.seconds)
+            << name_of(node.node);
     }
     EXPECT_EQ(nodes[GraphNode::kExtract].runs, 9U);
     EXPECT_EQ(nodes[GraphNode::kRetrieve].runs, 9U);
