@@ -42,6 +42,13 @@ class FlatPayload {
     std::size_t size_;
 };
 
+/// Whether a vector's elements lie where they can be read: the verifier looks at the vector's
+/// length alone.
+template <typename Vector>
+bool is_aligned(const Vector& vector, std::size_t alignment) {
+    return reinterpret_cast<std::uintptr_t>(vector.Data()) % alignment == 0;
+}
+
 inline std::string finished(flatbuffers::FlatBufferBuilder& builder) {
     return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
 }

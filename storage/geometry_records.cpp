@@ -55,6 +55,7 @@ Result<Camera> from_record(const records::Camera& record) {
     if (record.params()->size() != camera.params.size()) {
         return damaged_payload("camera has another number of parameters than 8");
     }
+    if (!is_aligned(*record.params(), alignof(double))) return damaged_payload(kNotATable);
     camera.model = static_cast<CameraModel>(record.model());
     camera.focal_source = static_cast<FocalSource>(record.focal_source());
     camera.width = record.width();

@@ -89,6 +89,7 @@ Result<SolutionPoints> decode_points(std::string_view payload) {
     if (positions.size() != 3 * std::size_t{errors.size()}) {
         return damaged_payload("numbers of positions and errors differ");
     }
+    if (!is_aligned(positions, alignof(double))) return damaged_payload(kNotATable);
     SolutionPoints result;
     result.state_json = record->state_json()->str();
     result.points.reserve(errors.size());

@@ -52,6 +52,7 @@ Result<Reconstruction> decode_poses(std::string_view payload) {
     const FlatPayload flat(payload);
     const auto* record = flat.root<records::Poses>();
     if (record == nullptr) return damaged_payload(kNotATable);
+    if (!is_aligned(*record->images(), alignof(records::Pose))) return damaged_payload(kNotATable);
     Reconstruction model;
     model.images.reserve(record->images()->size());
     for (const records::Pose* pose : *record->images()) {

@@ -3,7 +3,6 @@
 #include "storage/exchange/staged_files.h"
 
 #include <algorithm>
-#include <ranges>
 
 namespace psfm {
 
@@ -11,8 +10,9 @@ StagedFiles::~StagedFiles() {
     std::error_code ignored;
     for (const Staged& file : staged_) std::filesystem::remove(file.temporary, ignored);
     // Only empty folders go: removal of others fails.
-    for (const auto& folder : std::views::reverse(made_folders_)) {
-        std::filesystem::remove(folder, ignored);
+    // The last one made first; clang 14 does not compile the library's std::views::reverse.
+    for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
+        std::filesystem::remove(*folder, ignored);
     }
 }
 
