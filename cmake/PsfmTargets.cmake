@@ -8,6 +8,7 @@
 include(PsfmInstall)
 
 set(PSFM_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
+option(PSFM_FUZZ "Coverage for libFuzzer in every target, and the programs of tests/fuzz with it (clang)" OFF)
 
 # Flags of our own code: never applied to anything else (INTERFACE target, linked PRIVATE).
 add_library(psfm_flags INTERFACE)
@@ -22,8 +23,16 @@ if(PSFM_SANITIZE)
     target_compile_options(psfm_flags INTERFACE -fno-sanitize=vptr -fno-sanitize-recover=undefined)
     target_link_options(psfm_flags INTERFACE -fno-sanitize=vptr)
   endif()
-  # GCC 12's diagnostics of inlined library code are wrong under sanitizers.
-  target_compile_options(psfm_flags INTERFACE -Wno-maybe-uninitialized)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC 12's diagnostics of inlined library code are wrong under sanitizers.
+    target_compile_options(psfm_flags INTERFACE -Wno-maybe-uninitialized)
+  endif()
+endif()
+if(PSFM_FUZZ)
+  # Warnings are g++'s and clang-tidy's business: clang 14 has its own of what they let pass.
+  target_compile_options(psfm_flags INTERFACE -fsanitize=fuzzer-no-link -fsanitize=float-cast-overflow
+                                              -fno-sanitize-recover=float-cast-overflow -gline-tables-only -w)
+  target_link_options(psfm_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 find_program(PSFM_CCACHE ccache)

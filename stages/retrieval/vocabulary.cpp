@@ -10,12 +10,6 @@
 
 namespace psfm {
 
-std::size_t WordTree::word_count() const {
-    std::size_t count = 0;
-    for (const Descriptors& of_cell : words) count += of_cell.rows();
-    return count;
-}
-
 Vocabulary::Vocabulary(const WordTree& tree)
     : cells_(pack(tree.cells)),
       first_word_{0},

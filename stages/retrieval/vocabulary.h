@@ -8,21 +8,10 @@
 #include <vector>
 
 #include "graph/image.h"
+#include "stages/retrieval/word_tree.h"
 #include "stages/verification/match_descriptors.h"
 
 namespace psfm {
-
-/// Visual words in a tree of two levels: cells of descriptor space, and words within each cell. Two
-/// wide levels instead of the usual six narrow ones (Nister & Stewenius, CVPR 2006): the dot
-/// kernels compare with 256 words in the time that branching would take to miss the cache.
-struct WordTree {
-    Descriptors cells;
-    std::vector<Descriptors>
-        words;  ///< one entry a cell, none of them empty; numbered on from cell to cell
-
-    std::size_t word_count() const;
-    bool operator==(const WordTree&) const = default;
-};
 
 /// A word tree made ready for assignment. Value; immutable, so threads may share it.
 class Vocabulary {

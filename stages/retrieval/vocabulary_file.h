@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "graph/result.h"
-#include "stages/retrieval/vocabulary.h"
+#include "stages/retrieval/word_tree.h"
 
 namespace psfm {
 

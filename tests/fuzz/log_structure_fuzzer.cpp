@@ -1,0 +1,10 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+// RocksDB's logs, as they are looked through before RocksDB may open them.
+#include "storage/log_structure.h"
+#include "tests/fuzz/fuzz_input.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    (void)psfm::is_damaged_inside(psfm::fuzz::as_text({data, size}));
+    return 0;
+}
