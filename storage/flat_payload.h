@@ -46,7 +46,8 @@ class FlatPayload {
 /// length alone.
 template <typename Vector>
 bool is_aligned(const Vector& vector, std::size_t alignment) {
-    return reinterpret_cast<std::uintptr_t>(vector.Data()) % alignment == 0;
+    // Empty ones are written without regard to it.
+    return vector.size() == 0 || reinterpret_cast<std::uintptr_t>(vector.Data()) % alignment == 0;
 }
 
 inline std::string finished(flatbuffers::FlatBufferBuilder& builder) {

@@ -12,7 +12,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto first = std::min<std::size_t>(data[0] + 256U * data[1], files.size());
     const auto second = std::min<std::size_t>(data[2] + 256U * data[3], files.size() - first);
     fuzz::read_model(
-        folder,
-        {files.first(first), files.subspan(first, second), files.subspan(first + second)}, ".bin");
+        folder, {files.first(first), files.subspan(first, second), files.subspan(first + second)},
+        ".bin");
     return 0;
 }

@@ -83,7 +83,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         case RecordKind::kScene:
             there_and_back(
                 payload,
-                [](std::string_view bytes) { return decode_scene({100, 3}, bytes); },
+                [](std::string_view bytes) {
+                    return decode_scene({100, 3}, bytes);
+                },
                 encode_scene);
             break;
         default:

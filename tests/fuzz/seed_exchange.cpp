@@ -83,8 +83,7 @@ void write_model_seeds(const SeedFolder& seeds) {
                             two_bytes(cameras.size()) + two_bytes(image_file.size()) + cameras +
                                 image_file + points);
             } else {
-                seeds.write("colmap_text", name,
-                            cameras + "---\n" + image_file + "---\n" + points);
+                seeds.write("colmap_text", name, cameras + "---\n" + image_file + "---\n" + points);
             }
         }
     }
