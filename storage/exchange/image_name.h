@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Internal to storage/exchange: which names of images are taken from other programs' files.
+// Which names of images are taken from files that somebody else has written.
 
 #include <optional>
 #include <string>

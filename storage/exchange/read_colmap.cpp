@@ -8,6 +8,7 @@
 #include <set>
 #include <string_view>
 
+#include "storage/exchange/image_name.h"
 #include "storage/exchange/read_colmap_parts.h"
 
 namespace psfm {
@@ -58,6 +59,9 @@ Result<void> sort_by_id(std::vector<Item>& items, const std::filesystem::path& p
 Result<void> check_names(const ExportedModel& model, const std::filesystem::path& path) {
     std::set<std::string_view> names;
     for (const ExportedImage& image : model.images) {
+        if (const auto problem = problem_of_name(image.name)) {
+            return damaged(path, "the name of image " + std::to_string(image.id) + " " + *problem);
+        }
         if (!names.insert(image.name).second) return damaged(path, image.name + " occurs twice");
     }
     return {};

@@ -21,7 +21,8 @@ struct ColmapReadOptions {
 /// Reads a COLMAP model (3.8's layout, which 4.x keeps), binary when images.bin is there, else
 /// text. A missing points file means no points, since references made from known poses often lack
 /// it. Every count is checked against the file's size before anything is allocated, every number
-/// against its range, and features, tracks and cameras against each other.
+/// against its range, and features, tracks and cameras against each other. Names are relative paths
+/// without "..", of UTF-8 without control characters.
 /// @return the model, its lists ascending by id; focal_source is kGiven
 /// @errors kNotFound (no model in the folder), kUnreadable, kInvalidArgument (a camera model that
 /// psfm

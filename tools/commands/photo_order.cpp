@@ -8,7 +8,23 @@
 #include <set>
 #include <utility>
 
+#include "storage/exchange/image_name.h"
+
 namespace psfm {
+namespace {
+
+/// The next line, cut off when it is too long for a name: what is no order file may have no end.
+bool next_line(std::istream& stream, std::string& line) {
+    constexpr std::size_t kLongestLine = 4096 + 2;
+    line.clear();
+    for (char c = 0; line.size() < kLongestLine && stream.get(c);) {
+        if (c == '\n') return true;
+        line.push_back(c);
+    }
+    return !line.empty();
+}
+
+}  // namespace
 
 std::vector<std::string> shuffled_names(std::vector<std::string> names, std::uint64_t seed) {
     std::ranges::sort(names);
@@ -18,7 +34,6 @@ std::vector<std::string> shuffled_names(std::vector<std::string> names, std::uin
 }
 
 Result<std::vector<std::string>> read_order_file(const std::filesystem::path& file) {
-    constexpr std::size_t kLongestName = 4096;
     std::ifstream stream(file, std::ios::binary);
     if (!stream || std::filesystem::is_directory(file)) {
         return Error{ErrorCode::kNotFound, "cannot read the order file " + file.string() +
@@ -27,13 +42,16 @@ Result<std::vector<std::string>> read_order_file(const std::filesystem::path& fi
     std::vector<std::string> names;
     std::set<std::string> seen;
     std::string line;
-    for (std::size_t number = 1; std::getline(stream, line); ++number) {
+    for (std::size_t number = 1; next_line(stream, line); ++number) {
         if (!line.empty() && line.back() == '\r') line.pop_back();
         if (line.empty()) continue;
         std::string where = file.string();
         where.append(" line ").append(std::to_string(number));
-        if (line.size() > kLongestName)
-            return Error{ErrorCode::kInvalidArgument, where + " is too long for a name"};
+        if (const auto problem = problem_of_name(line)) {
+            return Error{ErrorCode::kInvalidArgument,
+                         where + ": the name " + *problem +
+                             "; write names as they are within the photograph folder"};
+        }
         if (!seen.insert(line).second) {
             return Error{ErrorCode::kInvalidArgument,
                          where + ": " + line + " is named a second time; remove one of the lines"};

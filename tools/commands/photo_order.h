@@ -17,7 +17,9 @@ std::vector<std::string> shuffled_names(std::vector<std::string> names, std::uin
 
 /// The names of an order file: one a line; empty lines are skipped, a carriage return at the end is
 /// removed.
-/// @errors kNotFound, kInvalidArgument (a name twice, a line beyond 4096 bytes, no name at all)
+/// @errors kNotFound, kInvalidArgument (a name twice, a name that no photograph of a session has:
+/// an absolute path, one with "..", control characters, no UTF-8, beyond 4096 bytes; no name at
+/// all)
 Result<std::vector<std::string>> read_order_file(const std::filesystem::path& file);
 
 }  // namespace psfm

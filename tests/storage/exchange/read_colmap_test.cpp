@@ -96,6 +96,13 @@ TEST_F(ReadColmap, DamagedTextNamesFileAndLine) {
     expect_damaged(kCameras, std::string("\0\x7f\xff garbage", 12), "", "images.txt, line 1");
 }
 
+TEST_F(ReadColmap, NamesThatLeadOutOfTheFolderAreRefused) {
+    for (const char* name : {"/etc/passwd", "../a.jpg", "b/../../a.jpg", "a\x01.jpg", "\xff.jpg"}) {
+        expect_damaged(kCameras, std::string("4 1 0 0 0 0 0 0 1 ") + name + "\n\n", "",
+                       "the name of image 4");
+    }
+}
+
 TEST_F(ReadColmap, FurtherModelsOfColmapAreRefusedByNameUnlessPosesAreAsked) {
     put_text("1 OPENCV_FISHEYE 1536 1024 1 2 3 4 5 6 7 8\n", kImages, kPoints);
     const Error error = read_error();

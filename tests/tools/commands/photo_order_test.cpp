@@ -56,6 +56,13 @@ TEST_F(OrderFileTest, NamesWhatIsWrong) {
               ErrorCode::kInvalidArgument);
     const auto twice = read_order_file(write("a\nb\na\n"));
     ASSERT_FALSE(twice.ok());
+    for (const char* name : {"../a.jpg", "/a.jpg", "a/../../b", "a\x02", "\xff"}) {
+        const auto refused = read_order_file(write(std::string("a\n") + name));
+        ASSERT_FALSE(refused.ok()) << name;
+        EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(refused.error().message.find("line 2"), std::string::npos);
+    }
+    EXPECT_FALSE(read_order_file("/dev/zero").ok()) << "has no end";
     EXPECT_NE(twice.error().message.find("line 3"), std::string::npos);
 }
 
