@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scheduler/whole_number.h"
+
 namespace psfm {
 namespace {
 
@@ -82,16 +84,17 @@ Result<SceneSummary> decode_summary(const std::string& text) {
     try {
         const json object = json::parse(text);
         for (const CountField& field : kCountFields)
-            summary.counts.*field.field = object.value(field.name, 0U);
-        summary.counts.version = object.value("version", std::uint64_t{0});
+            summary.counts.*field.field = whole_number_or<std::uint32_t>(object, field.name, 0);
+        summary.counts.version = whole_number_or<std::uint64_t>(object, "version", 0);
         for (const json& entry : object.at("waiting_images")) {
-            const int reason = entry.at(1).get<int>();
-            if (reason < 0 || reason > static_cast<int>(WaitReason::kSolving)) continue;
-            summary.waiting.emplace_back(static_cast<ImageId>(entry.at(0).get<std::uint32_t>()),
-                                         static_cast<WaitReason>(reason));
+            const auto reason = whole_number<std::uint32_t>(entry.at(1));
+            if (reason > static_cast<std::uint32_t>(WaitReason::kSolving)) continue;
+            summary.waiting.emplace_back(
+                static_cast<ImageId>(whole_number<std::uint32_t>(entry.at(0))),
+                static_cast<WaitReason>(reason));
         }
         for (const json& event : object.value("events", json::array())) {
-            summary.events.push_back({event.at("image").get<std::uint32_t>(),
+            summary.events.push_back({whole_number<std::uint32_t>(event.at("image")),
                                       event.at("event").get<std::string>(),
                                       event.at("text").get<std::string>()});
         }

@@ -4,11 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scheduler/whole_number.h"
+
 namespace psfm {
 namespace {
 
 using nlohmann::json;
-constexpr int kConfigVersion = 1;
+constexpr std::uint32_t kConfigVersion = 1;
 
 json encode_camera(const Camera& camera) {
     return {{"model", std::string(model_name(camera.model))},
@@ -23,12 +25,13 @@ Result<Camera> decode_camera(const json& object) {
     const auto model = model_from_name(object.at("model").get<std::string>());
     if (!model) return Error{ErrorCode::kDamaged, "settings name an unknown camera model"};
     camera.model = *model;
-    camera.width = object.at("width").get<std::uint32_t>();
-    camera.height = object.at("height").get<std::uint32_t>();
+    camera.width = whole_number<std::uint32_t>(object.at("width"));
+    camera.height = whole_number<std::uint32_t>(object.at("height"));
     camera.params = object.at("params").get<std::array<double, 8>>();
     // Settings of format 1 without the field hold cameras given by the user only.
-    const int source = object.value("focal_source", static_cast<int>(FocalSource::kGiven));
-    if (source < 0 || source > static_cast<int>(FocalSource::kEstimated))
+    const auto source = whole_number_or<std::uint32_t>(
+        object, "focal_source", static_cast<std::uint32_t>(FocalSource::kGiven));
+    if (source > static_cast<std::uint32_t>(FocalSource::kEstimated))
         return Error{ErrorCode::kDamaged, "settings name an unknown source of a focal length"};
     camera.focal_source = static_cast<FocalSource>(source);
     if (const auto valid = validate(camera); !valid.ok()) return valid.error();
@@ -77,7 +80,7 @@ Result<SessionConfig> decode_config(const std::string& text) {
     SessionConfig config;
     try {
         const json object = json::parse(text);
-        if (object.at("version").get<int>() > kConfigVersion) {
+        if (whole_number<std::uint32_t>(object.at("version")) > kConfigVersion) {
             return Error{ErrorCode::kVersion,
                          "the session's settings were written by a newer psfm; use that one"};
         }
@@ -94,7 +97,7 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.fix_intrinsics = object.at("fix_intrinsics").get<bool>();
         config.deterministic = object.at("deterministic").get<bool>();
         config.batch = object.at("batch").get<bool>();
-        config.seed = object.at("seed").get<std::uint64_t>();
+        config.seed = whole_number<std::uint64_t>(object.at("seed"));
         config.vocabulary_file = object.at("vocabulary").get<std::string>();
         config.colmap_database = object.value("colmap_database", "");
         config.order = object.at("order").get<std::vector<std::string>>();

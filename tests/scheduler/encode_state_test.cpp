@@ -47,7 +47,10 @@ TEST(EncodeState, DamagedSummaryIsReported) {
     EXPECT_TRUE(decode_summary("").ok()) << "an empty session has none";
     for (const char* text :
          {"{", "[]", "{\"waiting_images\":[[1]]}", "{\"waiting_images\":3}",
-          "{\"placed\":\"x\",\"waiting_images\":[]}", "{\"waiting_images\":[],\"events\":[{}]}"}) {
+          "{\"placed\":\"x\",\"waiting_images\":[]}", "{\"waiting_images\":[],\"events\":[{}]}",
+          "{\"placed\":1e300,\"waiting_images\":[]}", "{\"placed\":-1,\"waiting_images\":[]}",
+          "{\"placed\":4294967296,\"waiting_images\":[]}", "{\"waiting_images\":[[1e300,1]]}",
+          "{\"waiting_images\":[[1,-1]]}"}) {
         ASSERT_FALSE(decode_summary(text).ok()) << text;
         EXPECT_EQ(decode_summary(text).error().code, ErrorCode::kDamaged);
     }

@@ -56,5 +56,19 @@ TEST(StageOptions, AreValid) {
     EXPECT_TRUE(validate(options->features).ok());
 }
 
+TEST(SessionConfig, NumbersOutOfRangeAreDamage) {
+    const std::string text = encode_config(SessionConfig{});
+    for (const char* value : {"1e300", "-1", "1.5", "18446744073709551616", "\"1\""}) {
+        for (const std::string field : {"\"version\":1", "\"seed\":0"}) {
+            std::string changed = text;
+            const std::size_t at = changed.find(field);
+            ASSERT_NE(at, std::string::npos);
+            changed.replace(at + field.size() - 1, 1, value);
+            ASSERT_FALSE(decode_config(changed).ok()) << changed;
+            EXPECT_EQ(decode_config(changed).error().code, ErrorCode::kDamaged);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace psfm
