@@ -28,6 +28,21 @@ std::optional<PhotoSize> webp_size(const ByteView& view, std::uint64_t chunk, st
     return std::nullopt;
 }
 
+/// Size of an image in a JPEG 2000 codestream (T.800, A.5.1), which decoders go by, whatever the
+/// boxes around it say.
+std::optional<PhotoSize> codestream_size(const ByteView& view, std::uint64_t start) {
+    if (!view.matches(start, "\xFF\x4F\xFF\x51"sv)) return std::nullopt;
+    const auto side = [&](std::uint64_t at) {
+        return std::uint64_t{view.be32(at)} - std::min(view.be32(at), view.be32(at + 8));
+    };
+    return PhotoSize{side(start + 8), side(start + 12)};
+}
+
+/// The larger one of each side.
+PhotoSize larger(const PhotoSize& a, const PhotoSize& b) {
+    return {std::max(a.width, b.width), std::max(a.height, b.height)};
+}
+
 }  // namespace
 
 PhotoContainer parse_png(std::span<const std::uint8_t> bytes) {
@@ -38,7 +53,8 @@ PhotoContainer parse_png(std::span<const std::uint8_t> bytes) {
     while (view.has(position, 12)) {
         const std::uint64_t length = view.be32(position);
         if (!view.has(position, 12 + length)) break;
-        if (view.matches(position + 4, "IHDR"sv)) {
+        // The first counts, as for decoders; another one is damage.
+        if (view.matches(position + 4, "IHDR"sv) && !result.size) {
             result.size = PhotoSize{view.be32(position + 8), view.be32(position + 12)};
         }
         if (view.matches(position + 4, "eXIf"sv)) result.exif = view.part(position + 8, length);
@@ -85,8 +101,9 @@ PhotoContainer parse_jpeg2000(std::span<const std::uint8_t> bytes) {
         if (length == 0) length = view.size() - position;  // to the end of the file
         if (length < header || !view.has(position, length)) break;
         if (view.matches(position + 4, "jp2h"sv) && view.matches(position + header + 4, "ihdr"sv)) {
-            result.size =
-                PhotoSize{view.be32(position + header + 12), view.be32(position + header + 8)};
+            const PhotoSize size{view.be32(position + header + 12),
+                                 view.be32(position + header + 8)};
+            result.size = larger(result.size.value_or(PhotoSize{}), size);
         }
         if (view.matches(position + 4, "uuid"sv) &&
             view.matches(position + header, kJpeg2000ExifId)) {
@@ -94,6 +111,8 @@ PhotoContainer parse_jpeg2000(std::span<const std::uint8_t> bytes) {
                                     length - std::min<std::uint64_t>(length, header + 16));
         }
         if (view.matches(position + 4, "jp2c"sv)) {
+            if (const auto size = codestream_size(view, position + header))
+                result.size = larger(result.size.value_or(PhotoSize{}), *size);
             result.truncated = !view.matches(position + length - 2, "\xFF\xD9"sv);
         }
         position += length;

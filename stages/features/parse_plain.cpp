@@ -18,12 +18,35 @@ struct TiffView {
     std::uint32_t u16(std::uint64_t at) const { return little ? view.le16(at) : view.be16(at); }
     std::uint32_t u32(std::uint64_t at) const { return little ? view.le32(at) : view.be32(at); }
 
+    /// Bytes of an element of the entry's type, as libtiff takes them for whole numbers.
+    std::uint64_t element_size(std::uint64_t entry) const {
+        switch (u16(entry + 2)) {
+            case 1:  // BYTE, SBYTE
+            case 6:
+                return 1;
+            case 3:  // SHORT, SSHORT
+            case 8:
+                return 2;
+            case 16:  // LONG8, SLONG8, IFD8
+            case 17:
+            case 18:
+                return 8;
+            default:
+                return 4;
+        }
+    }
+
     /// Element of an entry's array; values that fit in four bytes stand in the entry itself.
-    std::uint32_t value(std::uint64_t entry, std::uint64_t index) const {
-        const std::uint64_t width = u16(entry + 2) == 3 ? 2 : 4;  // SHORT, else LONG
+    std::uint64_t value(std::uint64_t entry, std::uint64_t index) const {
+        const std::uint64_t width = element_size(entry);
         const bool is_inline = width * u32(entry + 4) <= 4;
         const std::uint64_t at = (is_inline ? entry + 8 : u32(entry + 8)) + width * index;
-        return width == 2 ? u16(at) : u32(at);
+        if (width == 1) return view.u8(at);
+        if (width == 2) return u16(at);
+        if (width == 4) return u32(at);
+        const std::uint64_t first = u32(at);
+        const std::uint64_t second = u32(at + 4);
+        return little ? second << 32U | first : first << 32U | second;
     }
 };
 
@@ -56,8 +79,9 @@ PhotoContainer parse_tiff(std::span<const std::uint8_t> bytes) {
     for (std::uint64_t i = 0; i < count; ++i) {
         const std::uint64_t entry = directory + 2 + 12 * i;
         const std::uint32_t tag = tiff.u16(entry);
-        if (tag == kWidthTag) size.width = tiff.value(entry, 0);
-        if (tag == kHeightTag) size.height = tiff.value(entry, 0);
+        // The first of several counts, as for libtiff.
+        if (tag == kWidthTag && size.width == 0) size.width = tiff.value(entry, 0);
+        if (tag == kHeightTag && size.height == 0) size.height = tiff.value(entry, 0);
         if (tag == kStripOffsetsTag || tag == kTileOffsetsTag) offsets = entry;
         if (tag == kStripSizesTag || tag == kTileSizesTag) sizes = entry;
     }
@@ -99,7 +123,11 @@ PhotoContainer parse_pnm(std::span<const std::uint8_t> bytes) {
     for (std::size_t i = 0; i < wanted; ++i) {
         while (is_space(view.u8(position)) || view.u8(position) == '#') {
             if (view.u8(position) == '#') {
-                while (view.has(position, 1) && view.u8(position) != '\n') ++position;
+                // OpenCV ends comments at either.
+                while (view.has(position, 1) && view.u8(position) != '\n' &&
+                       view.u8(position) != '\r') {
+                    ++position;
+                }
             } else {
                 ++position;
             }

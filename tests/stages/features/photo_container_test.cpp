@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
@@ -111,6 +112,63 @@ TEST(PhotoContainerTest, ReadsPnmHeadersWithComments) {
     EXPECT_EQ(container.size->height, 10U);
     EXPECT_FALSE(container.truncated);
     EXPECT_TRUE(parse_pnm(Bytes(bytes.begin(), bytes.end() - 1)).truncated);
+}
+
+// A header that tells a small size and hides a large one, for the decoder alone to find.
+
+Bytes bytes_of(std::string_view text) {
+    return {text.begin(), text.end()};
+}
+
+using std::string_view_literals::operator""sv;
+
+TEST(PhotoContainerTest, TheFirstOfTwoPngHeadersCounts) {
+    const Bytes bytes = bytes_of(
+        "\x89PNG\r\n\x1A\n"
+        "\0\0\0\x0DIHDR\0\0\x75\x30\0\0\x75\x30\x08\2\0\0\0crc."
+        "\0\0\0\x0DIHDR\0\0\0\x50\0\0\0\x50\x08\2\0\0\0crc."
+        "\0\0\0\0IENDcrc."sv);
+    const auto container = parse_png(bytes);
+    ASSERT_TRUE(container.size);
+    EXPECT_EQ(container.size->width, 30000U);
+    EXPECT_EQ(container.size->height, 30000U);
+}
+
+TEST(PhotoContainerTest, APnmCommentEndsAtACarriageReturn) {
+    const auto container = parse_pnm(bytes_of("P6 #\r30000 30000 255\n80 80 255\n"));
+    ASSERT_TRUE(container.size);
+    EXPECT_EQ(container.size->width, 30000U);
+    EXPECT_EQ(container.size->height, 30000U);
+}
+
+TEST(PhotoContainerTest, ATiffSizeIsTheFirstOneAndOfItsType) {
+    const auto tiff = [](std::string_view width) {
+        Bytes bytes = bytes_of("II*\0\x08\0\0\0\3\0"sv);
+        bytes.insert(bytes.end(), width.begin(), width.end());
+        for (const std::string_view entry :
+             {"\0\1\3\0\1\0\0\0\x50\0\0\0"sv, "\1\1\3\0\1\0\0\0\x50\0\0\0"sv}) {
+            bytes.insert(bytes.end(), entry.begin(), entry.end());
+        }
+        bytes.insert(bytes.end(), 4, std::uint8_t{0});
+        bytes.insert(bytes.end(), {0x30, 0x75, 0, 0, 0, 0, 0, 0});  // at byte 50
+        return parse_tiff(bytes).size.value_or(PhotoSize{}).width;
+    };
+    EXPECT_EQ(tiff("\0\1\3\0\1\0\0\0\x30\x75\0\0"sv), 30000U) << "SHORT, before another one";
+    EXPECT_EQ(tiff("\0\1\x10\0\1\0\0\0\x32\0\0\0"sv), 30000U) << "LONG8 at byte 50";
+    EXPECT_EQ(tiff("\0\1\1\0\1\0\0\0\x51\xFF\xFF\xFF"sv), 81U) << "BYTE";
+}
+
+TEST(PhotoContainerTest, AJpeg2000IsAsLargeAsItsCodestream) {
+    Bytes bytes = encode(textured_image(97, 71), ".jp2");
+    const Bytes size_marker = bytes_of("\xFF\x4F\xFF\x51"sv);
+    const auto found =
+        std::search(bytes.begin(), bytes.end(), size_marker.begin(), size_marker.end());
+    ASSERT_NE(found, bytes.end());
+    *(found + 10) = 0x75;  // the third byte of the width
+    const auto container = parse_jpeg2000(bytes);
+    ASSERT_TRUE(container.size);
+    EXPECT_EQ(container.size->width, 0x7500U + 97U);
+    EXPECT_EQ(container.size->height, 71U);
 }
 
 }  // namespace
