@@ -9,10 +9,9 @@ namespace psfm {
 StagedFiles::~StagedFiles() {
     std::error_code ignored;
     for (const Staged& file : staged_) std::filesystem::remove(file.temporary, ignored);
-    // Only empty folders go: removal of others fails.
-    // The last one made first; clang 14 does not compile the library's std::views::reverse.
-    for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
-        std::filesystem::remove(*folder, ignored);
+    // The last one made first. Only empty ones go: removal of others fails.
+    for (; !made_folders_.empty(); made_folders_.pop_back()) {
+        std::filesystem::remove(made_folders_.back(), ignored);
     }
 }
 

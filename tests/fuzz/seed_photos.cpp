@@ -6,6 +6,7 @@
 
 #include "stages/features/photo_container.h"
 #include "tests/fuzz/seeds.h"
+#include "tests/stages/features/heif_fixture.h"
 #include "tests/stages/features/photo_fixture.h"
 
 namespace psfm::fuzz {
@@ -65,6 +66,15 @@ void write_photo_seeds(const SeedFolder& seeds) {
     flat.convertTo(deep, CV_16U, 257.0);
     write_photo(seeds, "plain_16.png", testing::encode(deep, ".png"));
     write_photo(seeds, "plain_16.tiff", testing::encode(deep, ".tiff"));
+    Exiv2::Blob tiff;
+    Exiv2::ExifParser::encode(tiff, Exiv2::littleEndian, exif);
+    seeds.write("heif", "no_picture",
+                std::string_view("\0\0\0\x10"
+                                 "ftypheic\0\0\0\0",
+                                 16));
+    const testing::Bytes heif =
+        testing::encode_heif(flat, testing::Bytes(tiff.begin(), tiff.end()));
+    if (!heif.empty()) seeds.write("heif", "exif.heic", text_of(heif));  // Debian's has an encoder
 }
 
 }  // namespace psfm::fuzz
