@@ -4,8 +4,9 @@
 // lower first), and then the three files.
 #include "tests/fuzz/colmap_model.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const fuzz::InputFolder folder;
     if (size < 4) return 0;
     const std::span<const std::uint8_t> files(data + 4, size - 4);
@@ -16,3 +17,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         ".bin");
     return 0;
 }
+
+}  // namespace psfm

@@ -25,8 +25,9 @@ void read_image(const psfm::ColmapDatabase& database, std::uint32_t image) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const fuzz::InputFolder folder;
     const auto database = ColmapDatabase::open(folder.write("database.db", {data, size}));
     if (!database.ok()) return 0;
@@ -37,3 +38,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     return 0;
 }
+
+}  // namespace psfm

@@ -4,8 +4,9 @@
 // three dashes between them.
 #include "tests/fuzz/colmap_model.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const fuzz::InputFolder folder;
     constexpr std::string_view kBetween = "---\n";
     std::array<std::span<const std::uint8_t>, 3> parts;
@@ -18,3 +19,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::read_model(folder, {parts[0], parts[1], parts[2]}, ".txt");
     return 0;
 }
+
+}  // namespace psfm

@@ -7,8 +7,9 @@
 #include "stages/features/text.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const ExifTags tags = read_exif({data, size});
     for (const std::string& text : {tags.make, tags.model}) {
         fuzz::require(is_valid_utf8(text) && !has_control_characters(text) && text.size() <= 64,
@@ -26,3 +27,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     return 0;
 }
+
+}  // namespace psfm

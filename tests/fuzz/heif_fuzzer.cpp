@@ -5,8 +5,9 @@
 #include "stages/features/read_exif.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (identify_format({data, size}) != PhotoFormat::kHeif) return 0;
     const auto photo = decode_heif({data, size}, 250'000.0);
     if (!photo) return 0;
@@ -16,3 +17,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     (void)read_exif(photo->exif);
     return 0;
 }
+
+}  // namespace psfm

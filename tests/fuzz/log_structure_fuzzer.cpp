@@ -4,7 +4,11 @@
 #include "storage/log_structure.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    (void)psfm::is_damaged_inside(psfm::fuzz::as_text({data, size}));
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    (void)is_damaged_inside(fuzz::as_text({data, size}));
     return 0;
 }
+
+}  // namespace psfm

@@ -6,8 +6,9 @@
 #include "tests/fuzz/fuzz_input.h"
 #include "tools/commands/photo_order.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const fuzz::InputFolder folder;
     const auto names = read_order_file(folder.write("order.txt", {data, size}));
     if (!names.ok()) return 0;
@@ -18,3 +19,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     return 0;
 }
+
+}  // namespace psfm

@@ -5,8 +5,9 @@
 #include "stages/features/read_photo.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const fuzz::InputFolder folder;
     ReadPhotoOptions options;
     options.max_megapixels = 0.25;
@@ -24,3 +25,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::require(photo->colour.total() <= 250'000, "the limit on pixels holds");
     return 0;
 }
+
+}  // namespace psfm

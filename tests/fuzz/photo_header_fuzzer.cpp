@@ -4,8 +4,9 @@
 #include "stages/features/photo_container.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::span bytes(data, size);
     const auto format = identify_format(bytes);
     if (!format) return 0;
@@ -16,3 +17,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::require(is_inside, "EXIF data lie within the file");
     return 0;
 }
+
+}  // namespace psfm

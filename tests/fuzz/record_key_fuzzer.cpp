@@ -6,12 +6,12 @@
 #include "storage/record_key.h"
 #include "tests/fuzz/fuzz_input.h"
 
+namespace psfm {
 namespace {
 
-using psfm::fuzz::require;
+using fuzz::require;
 
 void read_keys(std::string_view key) {
-    using namespace psfm;
     constexpr auto kSame = "a key that is read is the key that is written";
     for (const Family family : kFamilies) require(!describe_key(family, key).empty(), kSame);
     if (const auto id = decode_image_key(key)) require(encode_key(*id) == key, kSame);
@@ -25,8 +25,7 @@ void read_keys(std::string_view key) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size < 2) return 0;
     const auto kind = static_cast<RecordKind>(data[0]);
     const std::string_view rest = fuzz::as_text({data + 2, size - 2});
@@ -48,3 +47,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     return 0;
 }
+
+}  // namespace psfm

@@ -36,8 +36,9 @@ void read_points(std::string_view payload) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
     const std::string_view payload = fuzz::as_text({data + 1, size - 1});
     constexpr ImageId kImage{1'000'000};
@@ -93,3 +94,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     return 0;
 }
+
+}  // namespace psfm

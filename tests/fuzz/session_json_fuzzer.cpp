@@ -5,8 +5,9 @@
 #include "scheduler/session_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     constexpr auto kSame = "what is read and written is read as the same";
     const std::string text(fuzz::as_text({data, size}));
     if (const auto config = decode_config(text); config.ok()) {
@@ -23,3 +24,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::require(encode_solve_state(decode_solve_state(written)) == written, kSame);
     return 0;
 }
+
+}  // namespace psfm

@@ -10,8 +10,9 @@
 #include "stages/retrieval/vocabulary_file.h"
 #include "tests/fuzz/fuzz_input.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace psfm;
+namespace psfm {
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const fuzz::InputFolder folder;
     constexpr std::size_t kChecksumOffset = 24;  // VOCABULARY_FORMAT.md
     constexpr std::size_t kHeaderBytes = 32;
@@ -29,3 +30,5 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
                   "a vocabulary is no larger than its file");
     return 0;
 }
+
+}  // namespace psfm
