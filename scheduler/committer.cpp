@@ -269,18 +269,11 @@ void Committer::advance(CommitOutput& output) {
         for (const ClusterEntry* entry : state_.clusters.take_dirty())
             output.solves.push_back({make_cluster_problem(state_, config_, *entry, false)});
     }
-    // What an earlier process was settling ends as one version, as it would have there.
-    const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
-    if (settle_first_ && at_rest && !hold) {
-        settle_first_ = false;
-        for (const ClusterEntry* entry : state_.clusters.take_unsettled())
-            output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
-    }
     // Settling begins once everything is published, so that what it starts from does not depend on
-    // timing.
-    const bool all_published =
-        state_.pending.empty() && !state_.clusters.busy() && !changed_ && !merging_;
-    if (ended && all_published) {
+    // timing; what an earlier process was settling ends as one version, as it would have there.
+    const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
+    if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
+        settle_first_ = false;
         for (const ClusterEntry* entry : state_.clusters.take_unsettled())
             output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
     }

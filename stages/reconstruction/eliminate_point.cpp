@@ -39,14 +39,19 @@ ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,
     }
 }
 
+std::array<const double*, 3> ObservationEvaluator::blocks_of(
+    const AdjustmentResidual& residual, const std::vector<double>& values) const {
+    const View& view = views_[residual.feature.image];
+    return {&values[view.pose_at], &values[layout_.point_at[residual.point]],
+            &values[view.intrinsics_at]};
+}
+
 double ObservationEvaluator::half_loss(std::size_t observation,
                                        const std::vector<double>& values) const {
     const AdjustmentResidual& residual = selection_.residuals[observation];
     const Observed& observed = observed_[observation];
     const View& view = views_[residual.feature.image];
-    const std::array<const double*, 3> blocks{&values[view.pose_at],
-                                              &values[layout_.point_at[residual.point]],
-                                              &values[view.intrinsics_at]};
+    const auto blocks = blocks_of(residual, values);
     Eigen::Vector2d error;
     if (!evaluate_reprojection(view.model, {observed.x, observed.y}, observed.inverse_sigma,
                                blocks.data(), error.data(), nullptr)) {
@@ -62,9 +67,7 @@ void ObservationEvaluator::linearize(std::size_t observation, const std::vector<
     const AdjustmentResidual& residual = selection_.residuals[observation];
     const Observed& observed = observed_[observation];
     const View& view = views_[residual.feature.image];
-    const std::array<const double*, 3> blocks{&values[view.pose_at],
-                                              &values[layout_.point_at[residual.point]],
-                                              &values[view.intrinsics_at]};
+    const auto blocks = blocks_of(residual, values);
     Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor> by_pose;
     Eigen::Matrix<double, 2, kPointSize, Eigen::RowMajor> by_point;
     Eigen::Matrix<double, 2, kIntrinsicsSize, Eigen::RowMajor> by_intrinsics;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -73,6 +74,8 @@ class ObservationEvaluator {
         float x = 0.F, y = 0.F;
         double inverse_sigma = 1.0;
     };
+    std::array<const double*, 3> blocks_of(const AdjustmentResidual& residual,
+                                           const std::vector<double>& values) const;
     static void couple(EliminatedPoint& point);
 
     const AdjustmentSelection& selection_;

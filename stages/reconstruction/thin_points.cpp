@@ -60,14 +60,15 @@ class PointRefiner {
         const double scale = options_.loss_scale_px * options_.loss_scale_px;
         for (const Feature& feature : track) {
             const Camera& camera = model_.camera(feature.image);
-            const ReprojectionCost cost(camera.model, model_.pixel(feature),
-                                        observation_sigma(model_.keypoint(feature), options_));
+            const double inverse_sigma =
+                1.0 / observation_sigma(model_.keypoint(feature), options_);
             const std::array<const double*, 3> parameters{poses_[feature.image].data(),
                                                           position.data(), camera.params.data()};
             Eigen::Vector2d residual;
             Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
             std::array<double*, 3> jacobians{nullptr, by_point.data(), nullptr};
-            if (!cost.Evaluate(parameters.data(), residual.data(), jacobians.data())) {
+            if (!evaluate_reprojection(camera.model, model_.pixel(feature), inverse_sigma,
+                                       parameters.data(), residual.data(), jacobians.data())) {
                 system.cost = std::numeric_limits<double>::infinity();
                 return system;
             }
