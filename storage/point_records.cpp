@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "storage/compact_list.h"
 #include "storage/flat_payload.h"
@@ -34,6 +35,18 @@ std::optional<std::vector<Observation>> take_track(CompactListReader& list) {
         track.push_back({static_cast<ImageId>(*image), *feature});
     }
     return track;
+}
+
+/// Images that are looked up in tables by their numbers; a damaged record may name any number.
+constexpr std::uint32_t kTabulated = 1U << 22U;
+
+/// Of whatever numbers.
+bool no_observation_twice(const std::vector<ScenePoint>& points) {
+    std::vector<Observation> all;
+    for (const ScenePoint& point : points)
+        all.insert(all.end(), point.track.begin(), point.track.end());
+    std::ranges::sort(all);
+    return std::ranges::adjacent_find(all) == all.end();
 }
 
 }  // namespace
@@ -109,20 +122,48 @@ Result<SolutionPoints> decode_points(std::string_view payload) {
 }
 
 bool points_belong_to(const std::vector<ScenePoint>& points, const Reconstruction& poses) {
+    // A table where the numbers allow one, as those of a session do: models are checked whenever
+    // they are written.
+    const bool tabulate = !poses.images.empty() && index_of(poses.images.back().image) < kTabulated;
+    std::vector<bool> registered;
+    if (tabulate) {
+        registered.resize(index_of(poses.images.back().image) + 1);
+        for (const RegisteredImage& image : poses.images) registered[index_of(image.image)] = true;
+    }
+    const auto is_registered = [&](ImageId image) {
+        if (!tabulate) return poses.find(image) != nullptr;
+        return index_of(image) < registered.size() && registered[index_of(image)];
+    };
     return std::ranges::all_of(points, [&](const ScenePoint& point) {
-        return std::ranges::all_of(point.track, [&](const Observation& observation) {
-            return poses.find(observation.image) != nullptr;
-        });
+        return std::ranges::all_of(point.track, is_registered, &Observation::image);
     });
 }
 
 bool each_feature_in_one_point(const std::vector<ScenePoint>& points) {
-    std::vector<Observation> all;
+    // One bit for each feature of each image, up to the largest that is seen.
+    std::vector<std::uint64_t> features;  // by image
+    std::size_t observations = 0;
     for (const ScenePoint& point : points) {
-        all.insert(all.end(), point.track.begin(), point.track.end());
+        observations += point.track.size();
+        for (const Observation& seen : point.track) {
+            const std::uint32_t image = index_of(seen.image);
+            if (image >= kTabulated) return no_observation_twice(points);
+            if (image >= features.size()) features.resize(image + 1, 0);
+            features[image] = std::max(features[image], std::uint64_t{seen.feature} + 1);
+        }
     }
-    std::ranges::sort(all);
-    return std::ranges::adjacent_find(all) == all.end();
+    std::uint64_t bits = 0;
+    for (std::uint64_t& first : features) bits += std::exchange(first, bits);
+    if (bits > kTabulated + 64 * observations) return no_observation_twice(points);
+    std::vector<bool> is_seen(bits, false);
+    for (const ScenePoint& point : points) {
+        for (const Observation& seen : point.track) {
+            const std::uint64_t bit = features[index_of(seen.image)] + seen.feature;
+            if (is_seen[bit]) return false;
+            is_seen[bit] = true;
+        }
+    }
+    return true;
 }
 
 }  // namespace psfm

@@ -321,5 +321,30 @@ TEST(RecordCodec, RefusesImpossibleSolutionsClustersAndScenes) {
     EXPECT_FALSE(encode_scene(scene).ok());
 }
 
+/// Two points of two observations each; `shared` is one of both, if it is given.
+std::vector<ScenePoint> two_points(std::uint32_t image, std::uint32_t feature, bool shared) {
+    ScenePoint first;
+    first.track = {{ImageId{1}, 5}, {ImageId{image}, feature}};
+    ScenePoint second;
+    second.track = {{ImageId{1}, 6}, {ImageId{image}, shared ? feature : feature - 1}};
+    return {first, second};
+}
+
+TEST(RecordCodec, ChecksPointsWhateverTheirNumbers) {
+    constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+    for (const auto& [image, feature] :
+         {std::pair{2U, 7U}, {2U, kMost}, {kMost, 7U}, {kMost, kMost}, {1U << 22U, 1U}}) {
+        EXPECT_TRUE(each_feature_in_one_point(two_points(image, feature, false))) << image;
+        EXPECT_FALSE(each_feature_in_one_point(two_points(image, feature, true))) << image;
+        Reconstruction poses;
+        poses.images = {{ImageId{1}, CameraId{0}, {}}};
+        EXPECT_FALSE(points_belong_to(two_points(image, feature, false), poses)) << image;
+        poses.images.push_back({ImageId{image}, CameraId{0}, {}});
+        EXPECT_TRUE(points_belong_to(two_points(image, feature, false), poses)) << image;
+    }
+    EXPECT_TRUE(each_feature_in_one_point({}));
+    EXPECT_FALSE(points_belong_to(two_points(2, 7, false), {}));
+}
+
 }  // namespace
 }  // namespace psfm
