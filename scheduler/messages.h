@@ -56,6 +56,7 @@ struct KnownImage {
     ImageId id{};
     Camera camera;
     std::uint64_t content_hash = 0;
+    float similarity = 0.F;  ///< to the image that it is a candidate of; 0: not compared
 };
 
 struct RetrievedMessage {

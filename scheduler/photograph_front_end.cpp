@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
 
 #include "scheduler/front_end.h"
 #include "stages/retrieval/run_retrieval.h"
@@ -36,8 +37,10 @@ class PhotographFrontEnd final : public FrontEnd {
                                          descriptors, options_.retrieval);
         if (!found.ok()) return found.error();
         std::vector<KnownImage> candidates;
-        for (const RetrievalCandidate& candidate : found->candidates)
+        for (const RetrievalCandidate& candidate : found->candidates) {
             candidates.push_back(known_[index_of(candidate.image)]);
+            candidates.back().similarity = candidate.score;
+        }
         return candidates;
     }
 
@@ -46,7 +49,11 @@ class PhotographFrontEnd final : public FrontEnd {
         VerificationInput input;
         input.image = {accepted.image.id, accepted.camera, accepted.image.metadata.content_hash,
                        accepted.keypoints, accepted.descriptors};
-        for (const KnownImage& candidate : candidates) input.candidates.push_back(candidate.id);
+        // All of them were compared, or none.
+        input.ranked = !candidates.empty() && candidates.front().similarity > 0.F;
+        std::vector<KnownImage> by_similarity(candidates.begin(), candidates.end());
+        std::ranges::stable_sort(by_similarity, std::greater{}, &KnownImage::similarity);
+        for (const KnownImage& candidate : by_similarity) input.candidates.push_back(candidate.id);
         input.load = [&](ImageId id) -> Result<ImageFeatures> {
             const KnownImage& earlier =
                 *std::ranges::lower_bound(candidates, id, {}, &KnownImage::id);

@@ -43,11 +43,14 @@ class SalvageFrontEnd final : public FrontEnd {
             ++salvage_.pair_lists_verified;
             return inner_->verify(image, candidates);
         }
-        // What was not taken over, or came later then, has no pair with this image there.
+        // What was not taken over, or came later then, has no pair with this image there. It is
+        // tried whole: it is not known how many pairs of it there would have been.
         std::vector<KnownImage> unknown;
         for (const KnownImage& candidate : candidates) {
             const auto other = salvaged_id(candidate.id);
-            if (!other || *other > *before) unknown.push_back(candidate);
+            if (other && *other <= *before) continue;
+            unknown.push_back(candidate);
+            unknown.back().similarity = 0.F;
         }
         std::vector<VerifiedPairPtr> pairs;
         if (!unknown.empty()) {

@@ -49,6 +49,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.plausibility.reset();
         options.solve.settling.images_for_principal_point = 0;
         options.solve.max_reset_images = 0.0;
+        options.verification.enough_pairs = 0;
         options.merge.constraint.border_cameras = 0;
     } else if (config.preset != "default") {
         return Error{ErrorCode::kInvalidArgument,

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -44,6 +46,14 @@ Result<void> check(const ImageFeatures& image) {
                          " has no features, or not one descriptor a keypoint"};
     }
     return {};
+}
+
+std::vector<ImageId> without_repetitions(const std::vector<ImageId>& images) {
+    std::set<ImageId> seen;
+    std::vector<ImageId> once;
+    std::ranges::copy_if(images, std::back_inserter(once),
+                         [&](ImageId image) { return seen.insert(image).second; });
+    return once;
 }
 
 enum class Outcome { kVerified, kTooFewStrongest, kTooFewMatches, kDegenerate, kFailed };
@@ -194,26 +204,29 @@ Result<VerificationOutput> run_verification(const VerificationInput& input,
                                             const VerificationOptions& options) {
     if (const Result<void> valid = validate(options); !valid) return valid.error();
     if (const Result<void> valid = check(input.image); !valid) return valid.error();
-    std::vector<ImageId> candidates = input.candidates;
-    std::ranges::sort(candidates);
-    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-    if (std::ranges::binary_search(candidates, input.image.id)) {
+    const std::vector<ImageId> candidates = without_repetitions(input.candidates);
+    if (std::ranges::find(candidates, input.image.id) != candidates.end()) {
         return Error{ErrorCode::kInvalidArgument,
                      "image " + std::to_string(index_of(input.image.id)) + " is its own candidate"};
     }
     if (candidates.empty()) return VerificationOutput{};
 
     const PackedDescriptors packed = pack(*input.image.descriptors);
-    std::vector<Attempt> attempts(candidates.size());
-    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-        attempts[i] = attempt_pair_catching(input, packed, candidates[i], options);
-    });
-
+    const std::size_t enough =
+        input.ranked && options.enough_pairs > 0 ? options.enough_pairs : candidates.size();
     VerificationOutput output;
-    for (Attempt& attempt : attempts) {
-        if (attempt.outcome == Outcome::kFailed) return std::move(attempt.error);
-        count(attempt, output.statistics);
-        if (attempt.pair) output.pairs.push_back(std::move(attempt.pair));
+    std::size_t round = enough;
+    for (std::size_t tried = 0; tried < candidates.size() && output.pairs.size() < enough;
+         tried += std::exchange(round, std::max<std::size_t>(1, enough / 2))) {
+        std::vector<Attempt> attempts(std::min(round, candidates.size() - tried));
+        tbb::parallel_for(std::size_t{0}, attempts.size(), [&](std::size_t i) {
+            attempts[i] = attempt_pair_catching(input, packed, candidates[tried + i], options);
+        });
+        for (Attempt& attempt : attempts) {
+            if (attempt.outcome == Outcome::kFailed) return std::move(attempt.error);
+            count(attempt, output.statistics);
+            if (attempt.pair) output.pairs.push_back(std::move(attempt.pair));
+        }
     }
     std::ranges::sort(output.pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
     return output;

@@ -39,9 +39,11 @@ FeatureLoader loader_of(std::vector<ImageFeatures> images);
 
 struct VerificationInput {
     ImageFeatures image;              ///< the new image
-    std::vector<ImageId> candidates;  ///< other images, in any order; repeated ones count once
+    std::vector<ImageId> candidates;  ///< other images; repeated ones count once
     FeatureLoader load;
     std::uint64_t seed = 0;
+    /// Whether the candidates come most promising first; only then are enough_pairs enough.
+    bool ranked = false;
 };
 
 struct VerificationOptions {
@@ -55,12 +57,16 @@ struct VerificationOptions {
     /// faster, and pairs with little overlap are lost. 8: 2 in 1,000 true pairs are lost, two of
     /// three hopeless ones cost a fifteenth. Source: ours, see docs/matching.md.
     std::size_t min_strongest_matches = 8;
+    /// Verified pairs after which the search among ranked candidates ends; 0: all are tried.
+    /// Raised: time, and edges, grow in proportion where everything overlaps; lowered: fewer ways
+    /// around a wrong pair, and shorter tracks. Source: ours, see docs/matching.md.
+    std::size_t enough_pairs = 50;
 };
 
 Result<void> validate(const VerificationOptions& options);
 
 struct VerificationStatistics {
-    std::size_t tried = 0;  ///< candidates
+    std::size_t tried = 0;  ///< candidates, without those that were not needed any more
     std::size_t verified = 0;
     std::size_t too_few_strongest = 0;  ///< left out by min_strongest_matches
     std::size_t too_few_matches = 0;
@@ -76,14 +82,16 @@ struct VerificationOutput {
     VerificationStatistics statistics;
 };
 
-/// Stage: one image against its candidates, pairs in parallel (TBB).
+/// Stage: one image against its candidates, pairs in parallel (TBB); ranked ones in rounds, the
+/// first of options.enough_pairs, the others of half as many, until enough have been verified.
 /// A pair's result depends on the two images' contents and cameras and on seed only: it is
 /// verified in the direction of ascending content hash, then turned into the order of ids. Any
 /// arrival order and any number of threads give the same pairs, poses inverted where ids are
 /// exchanged. A pair that fails is counted, and is no error.
 /// @errors kInvalidArgument (options, null or unequal features, a candidate equal to the image),
 /// and
-///   whatever the loader reports for the candidate of smallest id; kInternal (an exception)
+///   whatever the loader reports for the first candidate that it fails for; kInternal (an
+///   exception)
 Result<VerificationOutput> run_verification(const VerificationInput& input,
                                             const VerificationOptions& options);
 

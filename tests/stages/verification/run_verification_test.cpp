@@ -160,6 +160,37 @@ TEST(RunVerification, CheapTestLeavesOutWhatHasNothingInCommon) {
     EXPECT_EQ(small->statistics.too_few_strongest, 0U);
 }
 
+TEST(RunVerification, EndsTheSearchAmongRankedCandidatesWhenThereAreEnoughPairs) {
+    // Neighbours on the ring, then those that show something else, then the others again.
+    VerificationInput input = last_against_all(make_images());
+    input.candidates = {ImageId{0}, ImageId{6}, ImageId{3}, ImageId{4}, ImageId{5}, ImageId{1}};
+    VerificationOptions options;
+    options.enough_pairs = 2;
+    const Result<VerificationOutput> unranked = run_verification(input, options);
+    ASSERT_TRUE(unranked.ok());
+    EXPECT_EQ(unranked->statistics.tried, 6U) << "whose order means nothing";
+    ASSERT_GT(unranked->pairs.size(), 3U);
+
+    input.ranked = true;
+    const Result<VerificationOutput> first_round = run_verification(input, options);
+    ASSERT_TRUE(first_round.ok());
+    EXPECT_EQ(first_round->statistics.tried, 2U);
+    ASSERT_EQ(first_round->pairs.size(), 2U);
+    EXPECT_EQ(first_round->pairs[0]->pair.first, ImageId{0});
+    EXPECT_EQ(first_round->pairs[1]->pair.first, ImageId{6});
+
+    options.enough_pairs = 3;  // rounds of three, one, one
+    const Result<VerificationOutput> goes_on = run_verification(input, options);
+    ASSERT_TRUE(goes_on.ok());
+    EXPECT_EQ(goes_on->statistics.tried, 5U);
+    EXPECT_EQ(goes_on->pairs.size(), 3U);
+
+    options.enough_pairs = 0;
+    const Result<VerificationOutput> all = run_verification(input, options);
+    ASSERT_TRUE(all.ok());
+    expect_equal(*all, *unranked);
+}
+
 TEST(RunVerification, NoCandidates) {
     VerificationInput input = last_against_all(make_images());
     input.candidates.clear();
@@ -169,7 +200,7 @@ TEST(RunVerification, NoCandidates) {
     EXPECT_EQ(output->statistics.tried, 0U);
 }
 
-TEST(RunVerification, ReportsTheLoadersErrorOfTheSmallestId) {
+TEST(RunVerification, ReportsTheLoadersFirstError) {
     const std::vector<ImageFeatures> images = make_images();
     VerificationInput input = last_against_all(images);
     input.load = [good = loader_of(images)](ImageId id) -> Result<ImageFeatures> {
