@@ -60,7 +60,7 @@ class MergedModel {
 /// What an image sees of one effective cluster, in the frame of one of its clusters.
 struct Sighting {
     std::vector<const UnplacedImage::Edge*> edges;
-    Sim3 frame_from_world;
+    ClusterPlacement frame;  ///< of the cluster of the first edge
     std::vector<Eigen::Vector2d> pixels;
     std::vector<Eigen::Vector3d> points;
     std::vector<ClusterId> clusters;  ///< by point
@@ -76,8 +76,7 @@ std::map<std::uint32_t, Sighting> sightings_of(const UnplacedImage& image,
         const ImageId other = MergedModel::other_image(edge, image.id);
         if (cluster->index.model().find(other) == nullptr) continue;
         Sighting& sighting = sightings[cluster->placement.effective_cluster];
-        if (sighting.edges.empty())
-            sighting.frame_from_world = inverse(cluster->placement.world_from_cluster);
+        if (sighting.edges.empty()) sighting.frame = cluster->placement;
         sighting.edges.push_back(&edge);
     }
     return sightings;
@@ -87,8 +86,7 @@ void collect_points(const UnplacedImage& image, const MergedModel& model, Sighti
     std::set<std::tuple<std::uint32_t, ClusterId, std::uint32_t>> seen;  // feature, point
     for (const UnplacedImage::Edge* edge : sighting.edges) {
         const MergedModel::Cluster& cluster = *model.find(edge->cluster);
-        const Sim3 frame_from_cluster =
-            sighting.frame_from_world * cluster.placement.world_from_cluster;
+        const Sim3 to_frame = frame_from_cluster(sighting.frame, cluster.placement);
         const ImageId other = MergedModel::other_image(*edge, image.id);
         const bool is_first = edge->pair->pair.first == image.id;
         for (const FeatureMatch& match : edge->pair->geometry.inliers) {
@@ -96,8 +94,7 @@ void collect_points(const UnplacedImage& image, const MergedModel& model, Sighti
             const auto point = cluster.index.point_of(other, is_first ? match.second : match.first);
             if (!point || !seen.emplace(own, edge->cluster, *point).second) continue;
             sighting.pixels.push_back((*image.keypoints)[own].position());
-            sighting.points.push_back(frame_from_cluster *
-                                      cluster.index.model().points[*point].position);
+            sighting.points.push_back(to_frame * cluster.index.model().points[*point].position);
             sighting.clusters.push_back(edge->cluster);
         }
     }
@@ -132,10 +129,10 @@ bool agrees_with_edges(const UnplacedImage& image, const Rigid3& cam_from_frame,
         if (image.camera.focal_source == FocalSource::kUnknown ||
             other_camera.focal_source == FocalSource::kUnknown)
             continue;
-        const Eigen::Quaterniond frame_from_cluster =
-            (sighting.frame_from_world * cluster.placement.world_from_cluster).rotation;
-        const Eigen::Quaterniond own_from_other = cam_from_frame.rotation * frame_from_cluster *
-                                                  other.cam_from_cluster.rotation.conjugate();
+        const Eigen::Quaterniond own_from_other =
+            cam_from_frame.rotation *
+            frame_from_cluster(sighting.frame, cluster.placement).rotation *
+            other.cam_from_cluster.rotation.conjugate();
         const Eigen::Quaterniond& second_from_first = edge->pair->geometry.cam2_from_cam1.rotation;
         const Eigen::Quaterniond expected =
             edge->pair->pair.second == image.id ? second_from_first : second_from_first.conjugate();
@@ -181,6 +178,11 @@ std::optional<Adoption> try_against(const UnplacedImage& image, const MergedMode
 }
 
 }  // namespace
+
+Sim3 frame_from_cluster(const ClusterPlacement& frame, const ClusterPlacement& cluster) {
+    return frame.id == cluster.id ? Sim3{}
+                                  : inverse(frame.world_from_cluster) * cluster.world_from_cluster;
+}
 
 std::vector<Adoption> find_adoptions(const MergeProblem& problem, const MergeResult& merged,
                                      std::span<const UnplacedImage> unplaced,

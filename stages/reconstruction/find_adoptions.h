@@ -41,6 +41,10 @@ struct Adoption {
     std::uint32_t inliers_of_host = 0;  ///< points of the host among them
 };
 
+/// Between two clusters of an effective cluster. Exactly the identity for a cluster and itself, so
+/// that what is seen of one cluster alone does not depend on where the merge puts it.
+Sim3 frame_from_cluster(const ClusterPlacement& frame, const ClusterPlacement& cluster);
+
 /// Tries images against the merged model (ours; the paper leaves them out): P3P on the points of
 /// all clusters of an effective cluster, in one frame. An image is adopted by the cluster that
 /// holds most of the points it agrees with, which then adds it as its own; the edges to placed

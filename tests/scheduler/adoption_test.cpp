@@ -18,24 +18,27 @@ using test::SerialSession;
 
 constexpr std::uint32_t kInFirst = 7;  // images 0 … 6
 constexpr std::uint32_t kImages = 13;
-constexpr ImageId kStray{kImages - 1};  // stands beside the second cluster, arrives last
+constexpr ImageId kStray{kImages - 1};  // stands beside the second cluster
 
-/// Two parts of a ring with a few edges between them. The last image has strong edges to the first
+/// Two parts of a ring with a few edges between them. Image kStray has strong edges to the first
 /// part, and so belongs to its cluster; but no two of them share a feature, and nothing that it
 /// sees there is ever a point. Its weaker edges to the second part are true.
 struct TwoParts {
-    synthetic::SyntheticScene scene = synthetic::add_clutter(
-        synthetic::make_scene(synthetic::ring_around_sphere(kImages), 7), 600, 8);
+    synthetic::SyntheticScene scene;
     std::vector<VerifiedPairPtr> pairs;
 
-    TwoParts() {
+    /// @param images  kImages: the stray arrives last; or one more, that joins the second part
+    /// @param known_to  the stray's edges to the second part: to images from this one on
+    explicit TwoParts(std::uint32_t images = kImages, std::uint32_t known_to = kImages - 4)
+        : scene(synthetic::add_clutter(
+              synthetic::make_scene(synthetic::ring_around_sphere(images), 7), 600, 8)) {
         for (const VerifiedPairPtr& pair : synthetic::make_verified_pairs(scene)) {
             const auto [first, second] = pair->pair;
             const bool same_part = (index_of(first) < kInFirst) == (index_of(second) < kInFirst);
             const bool across = index_of(first) + 2 >= kInFirst && index_of(second) < kInFirst + 2;
             VerifiedPair kept = *pair;
-            if (second == kStray) {
-                if (index_of(first) + 4 < kImages) continue;
+            if (first == kStray || second == kStray) {
+                if (index_of(first == kStray ? second : first) < known_to) continue;
                 shorten(kept, 45);
             } else if (!same_part) {
                 if (!across) continue;
@@ -114,6 +117,37 @@ TEST(Adoption, AnImageIsPlacedByTheClusterThatKnowsItsSurroundings) {
     EXPECT_EQ(session.state().counts.placed, kImages);
     EXPECT_EQ(adoptions(session).size(), 1U);
     for (const auto& [id, entry] : session.state().clusters.entries()) EXPECT_TRUE(entry.settled);
+}
+
+TEST(Adoption, OutlastsImagesThatArriveAfterIt) {
+    const TwoParts parts(kImages + 1);
+    const testing::TemporaryFolder folder;
+    const auto store = open(folder);
+    SerialSession session(*store, parts.scene, parts.pairs);
+    for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
+    ASSERT_EQ(adoptions(session).size(), 1U);
+    const ClusterId host = cluster_that_places(*session.state().scene, kStray)->id;
+    ASSERT_TRUE(session.add_image());
+    session.end();
+    EXPECT_EQ(cluster_that_places(*session.state().scene, kStray)->id, host);
+    EXPECT_EQ(adoptions(session).size(), 1U) << "it was not given back in between";
+    EXPECT_EQ(session.state().counts.placed, kImages + 1);
+}
+
+TEST(Adoption, IsDoneBeforeTheImageThatBroughtItAboutIsReported) {
+    // The stray shares enough with the last image alone.
+    const TwoParts parts(kImages + 1, kImages);
+    const testing::TemporaryFolder folder;
+    const auto store = open(folder);
+    SerialSession session(*store, parts.scene, parts.pairs);
+    for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
+    ASSERT_TRUE(adoptions(session).empty());
+    ASSERT_EQ(session.state().counts.placed, kImages - 1);
+    ASSERT_TRUE(session.add_image());
+    ASSERT_EQ(adoptions(session).size(), 1U);
+    EXPECT_EQ(session.reported().back(), kImages + 1);
+    EXPECT_EQ(session.placed_when_reported().back(), kImages + 1)
+        << "a deterministic session admits the next image only now";
 }
 
 TEST(Adoption, SurvivesACrashAfterEachMessage) {

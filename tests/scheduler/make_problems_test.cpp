@@ -94,5 +94,39 @@ TEST(MakeClusterProblem, DoesNotTrustSmallModelsOrTouchGivenIntrinsics) {
     EXPECT_TRUE(problem_of(large, 1, true)->calibrated.empty());
 }
 
+/// Two placed clusters, and an image of the first that it cannot place; with edges to both.
+SessionState state_with_stray() {
+    ClusterEntry first = cluster_of(0, 0, 6, kTrueFocal);
+    first.members.push_back(ImageId{6});
+    first.revision = 1;
+    ClusterEntry second = cluster_of(1, 7, 13, kTrueFocal);
+    second.revision = 1;
+    SessionState state = state_of({first, second});
+    for (const std::uint32_t other : {3U, 8U}) {
+        const ImagePair pair = ImagePair::of(ImageId{6}, ImageId{other});
+        state.view_graph.add_edge(pair.first, pair.second, 1.0,
+                                  std::make_shared<const VerifiedPair>(VerifiedPair{pair, {}}));
+    }
+    return state;
+}
+
+TEST(UnplacedImages, AreThoseThatAnotherClusterMayKnow) {
+    SessionState state = state_with_stray();
+    const auto unplaced = unplaced_images(state, {});
+    ASSERT_EQ(unplaced.size(), 1U);
+    EXPECT_EQ(unplaced[0].id, ImageId{6});
+    EXPECT_EQ(unplaced[0].tried_by, ClusterId{0});
+    ASSERT_EQ(unplaced[0].edges.size(), 2U);
+    EXPECT_EQ(unplaced[0].edges[0].cluster, ClusterId{0});
+    EXPECT_EQ(unplaced[0].edges[1].cluster, ClusterId{1});
+}
+
+TEST(UnplacedImages, AreNotTriedAgainOnceAdopted) {
+    SessionState state = state_with_stray();
+    state.clusters.restore_adopted(ImageId{6}, ClusterId{1});
+    // Its host has not placed it yet, or never will: no third one is asked meanwhile.
+    EXPECT_TRUE(unplaced_images(state, {}).empty());
+}
+
 }  // namespace
 }  // namespace psfm

@@ -85,8 +85,8 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
         if (output->merge) {
             auto merged = run_merge(*output->merge->problem, options_.merge);
             EXPECT_TRUE(merged.ok());
-            auto adoptions = find_adoptions(*output->merge->problem, *merged,
-                                            *output->merge->unplaced, options_.solve);
+            auto adoptions = adoption_trials_.find(*output->merge->problem, *merged,
+                                                   *output->merge->unplaced, options_.solve);
             using Outcome = MergedMessage::Outcome;
             queue.push_back(MergedMessage{output->merge->problem, output->merge->unplaced,
                                           std::make_shared<const Result<Outcome>>(
@@ -95,7 +95,10 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
         }
         if (!output->publish) continue;
         std::ranges::move(output->publish->events, std::back_inserter(events_));
-        for (const ImageReport& report : output->publish->images) reported_.push_back(report.index);
+        for (const ImageReport& report : output->publish->images) {
+            reported_.push_back(report.index);
+            placed_when_reported_.push_back(output->publish->counts.placed);
+        }
     }
     return true;
 }

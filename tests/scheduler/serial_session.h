@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scheduler/committer.h"
+#include "stages/reconstruction/adoption_trials.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm::test {
@@ -33,6 +34,8 @@ class SerialSession {
     const std::vector<SessionEvent>& events() const { return events_; }
     /// Indices of reported images, in order, counted from 1.
     const std::vector<std::uint32_t>& reported() const { return reported_; }
+    /// Images that had a place when each of these was reported.
+    const std::vector<std::uint32_t>& placed_when_reported() const { return placed_when_reported_; }
 
   private:
     bool run(std::vector<CommitInput> messages, std::size_t at_most);
@@ -41,9 +44,11 @@ class SerialSession {
     const synthetic::SyntheticScene* scene_;
     const std::vector<VerifiedPairPtr>* pairs_;
     StageOptions options_;
+    AdoptionTrials adoption_trials_;
     std::unique_ptr<Committer> committer_;
     std::vector<SessionEvent> events_;
     std::vector<std::uint32_t> reported_;
+    std::vector<std::uint32_t> placed_when_reported_;
     std::uint64_t photos_ = 0;
 };
 
