@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/estimate_cluster_constraint.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -49,6 +53,22 @@ bool enough_inliers(const Sim3Support& support, std::size_t correspondences, std
            static_cast<double>(support.inliers) >= ratio * static_cast<double>(correspondences);
 }
 
+/// What one edge says of the clusters.
+struct EdgeOpinion {
+    std::optional<Sim3> b_from_a;  ///< none: too few of its points agree
+    bool interleaves = false;
+};
+
+EdgeOpinion opinion_of(const EdgeCorrespondences& edge, const ClusterIndex& a,
+                       const ClusterIndex& b, const ClusterConstraintOptions& options) {
+    const auto found = estimate_sim3_ransac(std::span(&edge, 1), {}, options, edge.hash);
+    if (!found || !enough_inliers(found->support, edge.points.size(), options.min_edge_inliers,
+                                  options.min_inlier_ratio)) {
+        return {};
+    }
+    return {found->b_from_a, interleaves(a, b, found->b_from_a, options)};
+}
+
 void locate(ClusterConstraint& constraint, std::span<const EdgeCorrespondences> edges,
             double max_error) {
     const Sim3 a_from_b = inverse(constraint.b_from_a);
@@ -79,24 +99,26 @@ ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const Clust
     constraint.edges_tried = static_cast<std::uint32_t>(edges.size());
     if (edges.empty()) return constraint;
 
+    std::vector<EdgeOpinion> opinions(edges.size());
+    // Isolated: a version is not to wait for a solve that this thread takes up in between.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t e) {
+            opinions[e] = opinion_of(edges[e], a, b, options);
+        });
+    });
     std::vector<EdgeCorrespondences> surviving;
     std::vector<Sim3> candidates;
     std::uint64_t seed = 0;
     constraint.verdict = ConstraintVerdict::kNoSimilarity;
-    for (EdgeCorrespondences& edge : edges) {
-        const std::span<const EdgeCorrespondences> one(&edge, 1);
-        const auto found = estimate_sim3_ransac(one, {}, options, edge.hash);
-        if (!found || !enough_inliers(found->support, edge.points.size(), options.min_edge_inliers,
-                                      options.min_inlier_ratio)) {
-            continue;
-        }
-        if (interleaves(a, b, found->b_from_a, options)) {
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        if (!opinions[e].b_from_a) continue;
+        if (opinions[e].interleaves) {
             constraint.verdict = ConstraintVerdict::kInterleaved;
             continue;
         }
-        if (candidates.size() < kCandidates) candidates.push_back(found->b_from_a);
-        seed += edge.hash;
-        surviving.push_back(std::move(edge));
+        if (candidates.size() < kCandidates) candidates.push_back(*opinions[e].b_from_a);
+        seed += edges[e].hash;
+        surviving.push_back(std::move(edges[e]));
     }
     if (surviving.empty()) return constraint;
 

@@ -16,7 +16,7 @@ namespace psfm {
 /// neighbourhood similarity is below lambda_s; the final one is estimated from all correspondences
 /// of the edges that are left.
 /// @return verdict and numbers; ids and revisions are the caller's to fill in
-/// Deterministic: seeds come from the edges' matches. Thread-safe.
+/// Deterministic: seeds come from the edges' matches. Thread-safe; edges in parallel (TBB).
 ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const ClusterIndex& b,
                                               std::span<const VerifiedPairPtr> edges,
                                               const ClusterConstraintOptions& options);
