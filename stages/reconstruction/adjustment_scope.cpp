@@ -40,24 +40,27 @@ AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics) {
     return scope;
 }
 
-AdjustmentScope local_scope(const WorkingModel& model, std::uint32_t image, std::size_t neighbors,
-                            bool free_intrinsics) {
+AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
+                            std::size_t neighbors, bool free_intrinsics) {
     std::vector<std::uint32_t> shared(model.image_count(), 0);
-    for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
-        const std::uint32_t point = model.point_of({image, feature});
-        if (point == WorkingModel::kNoPoint) continue;
-        for (const WorkingModel::Feature& other : model.points()[point].track)
-            ++shared[other.image];
+    for (const std::uint32_t image : images) {
+        for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
+            const std::uint32_t point = model.point_of({image, feature});
+            if (point == WorkingModel::kNoPoint) continue;
+            for (const WorkingModel::Feature& other : model.points()[point].track)
+                ++shared[other.image];
+        }
     }
+    for (const std::uint32_t image : images) shared[image] = 0;
     std::vector<std::uint32_t> order;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
-        if (other != image && shared[other] > 0) order.push_back(other);
+        if (shared[other] > 0) order.push_back(other);
     }
     std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t i) { return shared[i]; });
 
     AdjustmentScope scope;
-    scope.point_images = {image};
-    scope.free_images = {image};
+    scope.point_images.assign(images.begin(), images.end());
+    scope.free_images = scope.point_images;
     // Two neighbours at least stay where they are: they carry the gauge.
     const std::size_t free_neighbors =
         std::min(neighbors, order.size() >= 2 ? order.size() - 2 : 0);

@@ -45,7 +45,6 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
     }
 
     auto* ordering = new ceres::ParameterBlockOrdering;
-    std::size_t free_poses = 0;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         if (parameters.pose_at[image] == AdjustmentParameters::kAbsent) continue;
         double* block = &parameters.values[parameters.pose_at[image]];
@@ -55,7 +54,6 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
         } else {
             const bool keeps_scale = scope.gauge && scope.gauge->farthest == image;
             problem.SetManifold(block, keeps_scale ? &scale_manifold : &pose_manifold);
-            ++free_poses;
         }
         ordering->AddElementToGroup(block, 1);
     }
@@ -86,8 +84,7 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
 
     ceres::Solver::Options solver;
     solver.linear_solver_ordering.reset(ordering);
-    solver.linear_solver_type =
-        free_poses <= options.dense_up_to_images ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    solver.linear_solver_type = ceres::SPARSE_SCHUR;
     // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (PARTS.md).
     solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     solver.max_num_iterations = options.max_iterations;
@@ -129,8 +126,7 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
         return Error{ErrorCode::kDegenerate, "bundle adjustment: no observations"};
     AdjustmentParameters parameters = lay_out(model, selection.residuals);
     const AdjustmentColumns columns = make_columns(model, scope, selection, parameters);
-    const bool reduce = scope.free_images.size() > options.dense_up_to_images &&
-                        columns.count <= options.max_reduced_columns;
+    const bool reduce = columns.count > 0 && columns.count <= options.max_reduced_columns;
     const auto costs = reduce ? adjust_reduced(model, selection, columns, options, parameters)
                               : adjust_with_ceres(model, scope, selection, options, parameters);
     if (!costs.ok()) return costs.error();

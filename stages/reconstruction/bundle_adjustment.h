@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "graph/result.h"
@@ -20,14 +21,10 @@ struct AdjustmentOptions {
     /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
     /// accurate.
     double function_tolerance = 1e-6;
-    /// Images up to which Ceres solves, which keeps the whole Jacobian: some 800 bytes an
-    /// observation. Above, the reduced camera system is formed point by point, and nothing else is
-    /// kept. Lowered: small systems are solved in parts where they need none. Ours.
-    std::uint32_t dense_up_to_images = 60;
     /// Columns of the reduced camera system (six an image, and those of free intrinsics) up to
-    /// which it is kept and factorised dense. Raised: time grows with the cube, memory with the
-    /// square (288 MB for 6,000); lowered: Ceres solves it sparse, and takes 1.4 kB an observation.
-    /// Ours.
+    /// which it is formed point by point and factorised dense, and nothing else is kept. Raised:
+    /// time grows with the cube, memory with the square (288 MB for 6,000); lowered: Ceres solves
+    /// it sparse, and takes 1.4 kB an observation. Ours.
     std::uint32_t max_reduced_columns = 6000;
     /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
     /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes
@@ -69,10 +66,10 @@ struct AdjustmentScope {
 /// from it.
 AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics);
 
-/// The image and the `neighbors` images that share most points with it; points of the image move.
-/// A camera is free when all its images are.
-AdjustmentScope local_scope(const WorkingModel& model, std::uint32_t image, std::size_t neighbors,
-                            bool free_intrinsics);
+/// Some images and the `neighbors` others that share most points with them; points of the former
+/// move. A camera is free when all its images are.
+AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
+                            std::size_t neighbors, bool free_intrinsics);
 
 struct AdjustmentReport {
     std::size_t residuals = 0;
@@ -81,8 +78,8 @@ struct AdjustmentReport {
     double rms_after_px = 0.0;
 };
 
-/// Bundle adjustment, with Ceres on one thread or, for many images, on the reduced camera system
-/// with TBB: bitwise repeatable for equal models, on any number of threads (Ceres's parameter
+/// Bundle adjustment, on the reduced camera system with TBB or, for very many images, with Ceres on
+/// one thread: bitwise repeatable for equal models, on any number of threads (Ceres's parameter
 /// blocks all lie in one array, see PARTS.md).
 /// @errors kDegenerate (nothing to adjust, or the solver found no usable step)
 Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,

@@ -3,7 +3,6 @@
 #include "stages/reconstruction/contradiction.h"
 
 #include <algorithm>
-#include <map>
 #include <numbers>
 
 namespace psfm {
@@ -19,13 +18,10 @@ struct ComparedEdge {
 
 std::vector<ComparedEdge> compare(const WorkingModel& model, const LocalGraph& graph) {
     constexpr double kDegrees = 180.0 / std::numbers::pi;
-    std::map<ImageId, std::uint32_t> local;
-    for (std::uint32_t image = 0; image < model.image_count(); ++image)
-        local[model.image_id(image)] = image;
     std::vector<ComparedEdge> edges;
     for (const VerifiedPairPtr& pair : graph.pairs) {
-        const std::uint32_t i = local.at(pair->pair.first);
-        const std::uint32_t j = local.at(pair->pair.second);
+        const std::uint32_t i = model.numbers().of(pair->pair.first);
+        const std::uint32_t j = model.numbers().of(pair->pair.second);
         if (!model.registered(i) || !model.registered(j)) continue;
         const Eigen::Quaterniond averaged = graph.rotations[j] * graph.rotations[i].conjugate();
         const Eigen::Quaterniond reconstructed =

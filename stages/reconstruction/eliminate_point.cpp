@@ -57,9 +57,7 @@ double ObservationEvaluator::half_loss(std::size_t observation,
                                blocks.data(), error.data(), nullptr)) {
         return std::numeric_limits<double>::infinity();
     }
-    // Soft L1, as Ceres has it: rho(s) = 2 b (sqrt(1 + s / b) - 1).
-    const double b = options_.loss_scale_px * options_.loss_scale_px;
-    return b * (std::sqrt(1.0 + error.squaredNorm() / b) - 1.0);
+    return SoftLOne(error.squaredNorm(), options_.loss_scale_px).half_loss();
 }
 
 void ObservationEvaluator::linearize(std::size_t observation, const std::vector<double>& values,
@@ -74,10 +72,8 @@ void ObservationEvaluator::linearize(std::size_t observation, const std::vector<
     std::array<double*, 3> jacobians{by_pose.data(), by_point.data(), by_intrinsics.data()};
     evaluate_reprojection(view.model, {observed.x, observed.y}, observed.inverse_sigma,
                           blocks.data(), out.residual.data(), jacobians.data());
-    const double b = options_.loss_scale_px * options_.loss_scale_px;
-    const double root = std::sqrt(1.0 + out.residual.squaredNorm() / b);
-    // The slope of the loss is 1 / root; its curvature is negative, and left out, as in Ceres.
-    const double weight = 1.0 / std::sqrt(root);
+    const SoftLOne loss(out.residual.squaredNorm(), options_.loss_scale_px);
+    const double weight = 1.0 / std::sqrt(loss.inverse_slope());
     out.residual *= weight;
     out.pose = view.column;
     out.intrinsics = view.intrinsics;

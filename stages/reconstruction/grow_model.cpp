@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "stages/reconstruction/refine_model.h"
-#include "stages/reconstruction/tracks.h"
 
 namespace psfm {
 namespace {
@@ -80,17 +80,8 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
 /// Structure around a newly registered image. @return whether the image keeps enough observations
 bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
                   const SolveOptions& options, SolveStatistics& statistics) {
-    triangulate_image(model, image, options.tracks);
-    // The second pass works on what the first has filtered (COLMAP's mapper does likewise).
-    for (int pass = 0; pass < 2; ++pass) {
-        const AdjustmentScope scope =
-            local_scope(model, image, options.local_neighbors, !problem.fix_intrinsics);
-        if (!adjust(model, scope, options.local_adjustment).ok()) break;
-        ++statistics.local_adjustments;
-        const std::size_t removed = filter_tracks(model, scope.free_images, options.tracks);
-        if (removed < 10) break;
-        triangulate_image(model, image, options.tracks);
-    }
+    statistics.local_adjustments +=
+        refine_locally(model, std::span(&image, 1), problem.fix_intrinsics, options);
     std::uint32_t observations = 0;
     for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
         if (model.point_of({image, index}) != WorkingModel::kNoPoint) ++observations;

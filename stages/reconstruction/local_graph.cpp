@@ -7,16 +7,11 @@
 
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/calibrate_focals.h"
+#include "stages/reconstruction/local_numbers.h"
 #include "stages/verification/verify_pair.h"
 
 namespace psfm {
 namespace {
-
-std::uint32_t local_index(const ClusterProblem& problem, ImageId image) {
-    return static_cast<std::uint32_t>(
-        std::ranges::lower_bound(problem.images, image, {}, &ClusterImage::id) -
-        problem.images.begin());
-}
 
 /// The camera that a pair was verified with, at the focal length that is believed now.
 Camera with_focal(Camera verified, const Camera& believed) {
@@ -29,6 +24,7 @@ Camera with_focal(Camera verified, const Camera& believed) {
 /// Intrinsics from the recycled model where it has them; unknown focal lengths from fundamental
 /// matrices.
 Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem,
+                                                    const LocalNumbers& numbers,
                                                     const SolveOptions& options) {
     std::map<CameraId, Camera> cameras = problem.cameras;
     for (const auto& [id, camera] : problem.calibrated) {
@@ -54,7 +50,7 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
         }
     }
     const auto keypoints_of = [&](ImageId image) {
-        return std::span<const Keypoint>(*problem.images[local_index(problem, image)].keypoints);
+        return std::span<const Keypoint>(*problem.images[numbers.of(image)].keypoints);
     };
     const auto calibration = calibrate_focals(problem.pairs, as_verified, camera_of,
                                               options.focal_calibration, keypoints_of);
@@ -72,9 +68,10 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
 /// now.
 /// @return null when no pose agrees with the pair's matches any more
 VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem,
-                             const LocalGraph& graph, const VerifyOptions& options) {
-    const ClusterImage& image1 = problem.images[local_index(problem, pair->pair.first)];
-    const ClusterImage& image2 = problem.images[local_index(problem, pair->pair.second)];
+                             const LocalNumbers& numbers, const LocalGraph& graph,
+                             const VerifyOptions& options) {
+    const ClusterImage& image1 = problem.images[numbers.of(pair->pair.first)];
+    const ClusterImage& image2 = problem.images[numbers.of(pair->pair.second)];
     const Camera& verified1 = problem.cameras.at(image1.camera);
     const Camera& verified2 = problem.cameras.at(image2.camera);
     if (verified1.focal_source != FocalSource::kUnknown &&
@@ -99,19 +96,19 @@ double weight_of(const TwoViewGeometry& geometry, const SolveOptions& options) {
 }  // namespace
 
 Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOptions& options) {
+    const LocalNumbers numbers(problem);
     LocalGraph graph;
-    auto cameras = starting_cameras(problem, options);
+    auto cameras = starting_cameras(problem, numbers, options);
     if (!cameras.ok()) return cameras.error();
     graph.cameras = *std::move(cameras);
     std::vector<VerifiedPairPtr> pairs;
     std::vector<RelativeRotation> rotations;
     for (const VerifiedPairPtr& pair : problem.pairs) {
-        VerifiedPairPtr local = with_cameras(pair, problem, graph, options.verification);
+        VerifiedPairPtr local = with_cameras(pair, problem, numbers, graph, options.verification);
         if (!local) continue;
         pairs.push_back(std::move(local));
         const TwoViewGeometry& geometry = pairs.back()->geometry;
-        rotations.push_back({local_index(problem, pair->pair.first),
-                             local_index(problem, pair->pair.second),
+        rotations.push_back({numbers.of(pair->pair.first), numbers.of(pair->pair.second),
                              geometry.cam2_from_cam1.rotation, weight_of(geometry, options)});
     }
     const auto averaged = average_rotations(

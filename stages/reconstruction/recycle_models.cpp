@@ -105,12 +105,17 @@ Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, cons
             const auto similarity = base_from_part(base, *part, problem, graph, options);
             if (!similarity) continue;
             model.append(*part, *similarity);
+            for (const RegisteredImage& image : part->images)
+                recycling.images.push_back(model.numbers().of(image.image));
             parts.erase(part);
             ++recycling.joined;
             progress = true;
             break;
         }
     }
+    std::ranges::sort(recycling.images);
+    const auto repeated = std::ranges::unique(recycling.images);
+    recycling.images.erase(repeated.begin(), repeated.end());
     recycling.left = static_cast<std::uint32_t>(parts.size());
     return recycling;
 }

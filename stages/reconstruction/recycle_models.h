@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "stages/reconstruction/cluster_problem.h"
 #include "stages/reconstruction/local_graph.h"
@@ -12,8 +13,9 @@
 namespace psfm {
 
 struct Recycling {
-    std::uint32_t joined = 0;  ///< models joined to the first
-    std::uint32_t left = 0;    ///< models that found no place: their images are added one by one
+    std::uint32_t joined = 0;           ///< models joined to the first
+    std::vector<std::uint32_t> images;  ///< of these, local numbers, ascending
+    std::uint32_t left = 0;  ///< models that found no place: their images are added one by one
 };
 
 /// Loads the problem's recycled models (paper sec. "Cluster Reconstruction", transfer): the first

@@ -64,8 +64,8 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const SolveOptions& options) {
     std::uint32_t adjustments = 0;
     for (int round = 0; round < refinement.max_rounds; ++round) {
-        std::size_t changed = complete_tracks(model, options.tracks);
-        changed += merge_tracks(model, options.tracks);
+        std::size_t changed = complete_tracks(model, {}, options.tracks);
+        changed += merge_tracks(model, {}, options.tracks);
         changed += retriangulate(model, options.tracks);
         const bool free_intrinsics =
             !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
@@ -88,6 +88,25 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
         if (static_cast<double>(changed) <
             refinement.max_change * static_cast<double>(observation_count(model)))
             break;
+    }
+    return adjustments;
+}
+
+std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
+                             bool fix_intrinsics, const SolveOptions& options) {
+    const auto triangulate_all = [&] {
+        for (const std::uint32_t image : images) triangulate_image(model, image, options.tracks);
+    };
+    triangulate_all();
+    std::uint32_t adjustments = 0;
+    // The second pass works on what the first has filtered (COLMAP's mapper does likewise).
+    for (int pass = 0; pass < 2; ++pass) {
+        const AdjustmentScope scope =
+            local_scope(model, images, options.local_neighbors, !fix_intrinsics);
+        if (!adjust(model, scope, options.local_adjustment).ok()) break;
+        ++adjustments;
+        if (filter_tracks(model, scope.free_images, options.tracks) < 10) break;
+        triangulate_all();
     }
     return adjustments;
 }

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "graph/result.h"
 #include "stages/reconstruction/solve_options.h"
 #include "stages/reconstruction/working_model.h"
@@ -15,6 +18,13 @@ namespace psfm {
 Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const RefinementOptions& refinement,
                                    const SolveOptions& options);
+
+/// Adjusts images and their surroundings: creates and continues their points, adjusts them with the
+/// neighbours that share most points with them, filters, and once more where much was filtered.
+/// @param images  ascending
+/// @return bundle adjustments done
+std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
+                             bool fix_intrinsics, const SolveOptions& options);
 
 /// Registered images with fewer observations than the options ask for are taken out of the model.
 /// @return how many

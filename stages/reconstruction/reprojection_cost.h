@@ -6,6 +6,7 @@
 #include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "graph/camera.h"
 #include "graph/rigid3.h"
@@ -52,6 +53,23 @@ class PoseManifold final : public ceres::Manifold {
 bool evaluate_reprojection(CameraModel model, const Eigen::Vector2d& observed_px,
                            double inverse_sigma, const double* const* parameters, double* residuals,
                            double** jacobians);
+
+/// The loss of bundle adjustment at one observation: soft L1, as ceres::SoftLOneLoss has it,
+/// rho(s) = 2 b (sqrt(1 + s / b) - 1) for the squared error s and the squared scale b.
+class SoftLOne {
+  public:
+    SoftLOne(double squared_error, double scale)
+        : b_(scale * scale), root_(std::sqrt(1.0 + squared_error / b_)) {}
+    /// rho / 2, what adds up to the cost.
+    double half_loss() const { return b_ * (root_ - 1.0); }
+    /// 1 / rho'. The curvature of the loss is negative, and left out of the normal equations, as
+    /// Ceres does.
+    double inverse_slope() const { return root_; }
+
+  private:
+    double b_;
+    double root_;
+};
 
 /// Projected minus observed pixel, divided by the observation's standard deviation; analytic
 /// derivatives.

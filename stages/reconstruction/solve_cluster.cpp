@@ -16,6 +16,7 @@
 #include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
 #include "stages/reconstruction/solve_global.h"
+#include "stages/reconstruction/tracks.h"
 
 namespace psfm {
 namespace {
@@ -139,8 +140,14 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         attempt.state.images_at_full_adjustment = model.registered_count();
         return {};
     };
-    if (recycling.joined > 0) {
+    const auto joined = static_cast<double>(recycling.images.size());
+    if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
         if (const auto done = refine(options.growth); !done.ok()) return done.error();
+    } else if (recycling.joined > 0) {
+        complete_tracks(model, recycling.images, options.tracks);
+        merge_tracks(model, recycling.images, options.tracks);
+        attempt.statistics.local_adjustments +=
+            refine_locally(model, recycling.images, problem.fix_intrinsics, options);
     }
     const auto grown =
         grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);

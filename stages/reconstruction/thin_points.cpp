@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <span>
 
@@ -57,7 +56,6 @@ class PointRefiner {
   private:
     PointSystem linearize(std::span<const Feature> track, const Eigen::Vector3d& position) const {
         PointSystem system;
-        const double scale = options_.loss_scale_px * options_.loss_scale_px;
         for (const Feature& feature : track) {
             const Camera& camera = model_.camera(feature.image);
             const double inverse_sigma =
@@ -72,11 +70,10 @@ class PointRefiner {
                 system.cost = std::numeric_limits<double>::infinity();
                 return system;
             }
-            // Soft L1, as Ceres has it: rho(s) = 2 scale (sqrt(1 + s / scale) - 1).
-            const double root = std::sqrt(1.0 + residual.squaredNorm() / scale);
-            system.cost += scale * (root - 1.0);
-            system.normal += by_point.transpose() * by_point / root;
-            system.gradient += by_point.transpose() * residual / root;
+            const SoftLOne loss(residual.squaredNorm(), options_.loss_scale_px);
+            system.cost += loss.half_loss();
+            system.normal += by_point.transpose() * by_point / loss.inverse_slope();
+            system.gradient += by_point.transpose() * residual / loss.inverse_slope();
         }
         return system;
     }

@@ -89,6 +89,24 @@ std::optional<Eigen::Vector3d> joint_position(const WorkingModel& model,
     return position;
 }
 
+/// Points that one of the images sees, or all, ascending.
+std::vector<std::uint32_t> points_seen_by(const WorkingModel& model,
+                                          std::span<const std::uint32_t> images) {
+    std::vector<std::uint32_t> points;
+    for (std::uint32_t point = 0; images.empty() && point < model.points().size(); ++point) {
+        if (model.points()[point].alive()) points.push_back(point);
+    }
+    for (const std::uint32_t image : images) {
+        for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
+            const std::uint32_t point = model.point_of({image, index});
+            if (point != WorkingModel::kNoPoint) points.push_back(point);
+        }
+    }
+    std::ranges::sort(points);
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    return points;
+}
+
 }  // namespace
 
 std::size_t triangulate_image(WorkingModel& model, std::uint32_t image,
@@ -118,24 +136,27 @@ std::size_t triangulate_image(WorkingModel& model, std::uint32_t image,
     return added;
 }
 
-std::size_t complete_tracks(WorkingModel& model, const TrackOptions& options) {
+std::size_t complete_tracks(WorkingModel& model, std::span<const std::uint32_t> images,
+                            const TrackOptions& options) {
     std::size_t added = 0;
-    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
-        if (model.points()[point].alive()) added += complete_track(model, point, options);
-    }
+    for (const std::uint32_t point : points_seen_by(model, images))
+        added += complete_track(model, point, options);
     return added;
 }
 
-std::size_t merge_tracks(WorkingModel& model, const TrackOptions& options) {
+std::size_t merge_tracks(WorkingModel& model, std::span<const std::uint32_t> images,
+                         const TrackOptions& options) {
     const double max_squared_error = options.max_error_px * options.max_error_px;
     std::size_t merged = 0;
-    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
+    std::vector<bool> done(model.points().size(), false);
+    for (const std::uint32_t point : points_seen_by(model, images)) {
+        done[point] = true;
         if (!model.points()[point].alive()) continue;
         std::set<std::uint32_t> connected;
         for (const Feature& feature : model.points()[point].track) {
             for (const Feature& match : model.matches().matches(feature)) {
                 const std::uint32_t other = model.point_of(match);
-                if (other != WorkingModel::kNoPoint && other > point) connected.insert(other);
+                if (other != WorkingModel::kNoPoint && !done[other]) connected.insert(other);
             }
         }
         for (const std::uint32_t other : connected) {
@@ -153,32 +174,29 @@ std::size_t merge_tracks(WorkingModel& model, const TrackOptions& options) {
     return merged;
 }
 
-std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>& images,
+std::size_t filter_tracks(WorkingModel& model, std::span<const std::uint32_t> images,
                           const TrackOptions& options) {
     const double max_squared_error = options.max_error_px * options.max_error_px;
     const double min_angle = options.min_angle_deg * kRadiansPerDegree;
     std::size_t removed = 0;
-    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
-        const std::vector<Feature> track = model.points()[point].track;
-        if (track.empty()) continue;
-        const auto concerned = [&](const Feature& f) {
-            return std::ranges::binary_search(images, f.image);
-        };
-        if (!images.empty() && std::ranges::none_of(track, concerned)) continue;
-        std::vector<Feature> bad;
+    std::vector<Feature> bad;
+    for (const std::uint32_t point : points_seen_by(model, images)) {
+        const std::vector<Feature>& track = model.points()[point].track;
+        const std::size_t observations = track.size();
+        bad.clear();
         for (const Feature& feature : track) {
             if (model.squared_error(feature, model.points()[point].position) > max_squared_error)
                 bad.push_back(feature);
         }
-        if (track.size() - bad.size() < 2) {
+        if (observations - bad.size() < 2) {
             model.remove_point(point);
-            removed += track.size();
+            removed += observations;
             continue;
         }
         for (const Feature& feature : bad) model.remove_observation(feature);
         removed += bad.size();
-        if (largest_angle(model, model.points()[point].track, model.points()[point].position) <
-            min_angle) {
+        if (!is_seen_from_apart(model, model.points()[point].track, model.points()[point].position,
+                                min_angle)) {
             removed += model.points()[point].track.size();
             model.remove_point(point);
         }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include "stages/reconstruction/triangulation.h"
 #include "stages/reconstruction/working_model.h"
@@ -15,18 +15,21 @@ namespace psfm {
 std::size_t triangulate_image(WorkingModel& model, std::uint32_t image,
                               const TrackOptions& options);
 
+// The following look at the points that one of `images` sees; at all points, when there are none.
+
 /// Adds observations that matches lead to and that fit: registered images that were added after the
 /// point, or whose pose has become better since. @return observations added
-std::size_t complete_tracks(WorkingModel& model, const TrackOptions& options);
+std::size_t complete_tracks(WorkingModel& model, std::span<const std::uint32_t> images,
+                            const TrackOptions& options);
 
-/// Joins points that matches connect and that one position explains. @return observations of joined
-/// points
-std::size_t merge_tracks(WorkingModel& model, const TrackOptions& options);
+/// Joins points that matches connect, with any others, and that one position explains.
+/// @return observations of joined points
+std::size_t merge_tracks(WorkingModel& model, std::span<const std::uint32_t> images,
+                         const TrackOptions& options);
 
 /// Removes observations with too large an error and points with too small an angle.
-/// @param images  points seen by one of these are examined; empty: all points
 /// @return observations removed
-std::size_t filter_tracks(WorkingModel& model, const std::vector<std::uint32_t>& images,
+std::size_t filter_tracks(WorkingModel& model, std::span<const std::uint32_t> images,
                           const TrackOptions& options);
 
 }  // namespace psfm

@@ -83,17 +83,17 @@ double triangulation_angle(const Eigen::Vector3d& centre1, const Eigen::Vector3d
     return std::min(angle, std::numbers::pi - angle);
 }
 
-double largest_angle(const WorkingModel& model, std::span<const Feature> track,
-                     const Eigen::Vector3d& position) {
-    double largest = 0.0;
-    for (std::size_t i = 0; i < track.size(); ++i) {
+bool is_seen_from_apart(const WorkingModel& model, std::span<const Feature> track,
+                        const Eigen::Vector3d& position, double min_angle) {
+    // Images that arrived far from one another tend to stand far apart, and are tried first.
+    for (std::size_t i = track.size(); i-- > 0;) {
         const Eigen::Vector3d centre = model.centre(track[i].image);
         for (std::size_t j = 0; j < i; ++j) {
-            largest = std::max(largest,
-                               triangulation_angle(centre, model.centre(track[j].image), position));
+            if (triangulation_angle(centre, model.centre(track[j].image), position) >= min_angle)
+                return true;
         }
     }
-    return largest;
+    return false;
 }
 
 Result<void> validate(const TrackOptions& options) {

@@ -26,9 +26,10 @@ std::optional<Eigen::Vector3d> triangulate(std::span<const View> views);
 double triangulation_angle(const Eigen::Vector3d& centre1, const Eigen::Vector3d& centre2,
                            const Eigen::Vector3d& point);
 
-/// Largest triangulation angle [rad] over all pairs of a track's images.
-double largest_angle(const WorkingModel& model, std::span<const WorkingModel::Feature> track,
-                     const Eigen::Vector3d& position);
+/// Whether two of a track's images see a position at this triangulation angle [rad] or a larger
+/// one.
+bool is_seen_from_apart(const WorkingModel& model, std::span<const WorkingModel::Feature> track,
+                        const Eigen::Vector3d& position, double min_angle);
 
 struct TrackOptions {
     /// Reprojection error of an observation at most [px]. Higher: more and longer tracks with more

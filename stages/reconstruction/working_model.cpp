@@ -11,6 +11,7 @@ namespace psfm {
 WorkingModel::WorkingModel(const ClusterProblem& problem, const CorrespondenceGraph& matches)
     : problem_(&problem),
       matches_(&matches),
+      numbers_(problem),
       cameras_(problem.cameras),
       poses_(problem.images.size()) {
     point_of_.reserve(problem.images.size());
@@ -31,30 +32,29 @@ void WorkingModel::load(const Reconstruction& model) {
 }
 
 void WorkingModel::append(const Reconstruction& model, const Sim3& cluster_from_model) {
-    std::map<ImageId, std::uint32_t> local;
-    for (std::uint32_t image = 0; image < image_count(); ++image) {
-        if (!registered(image)) local[image_id(image)] = image;
-    }
+    std::vector<bool> taken(image_count(), false);
     for (const RegisteredImage& image : model.images) {
-        if (const auto found = local.find(image.image); found != local.end())
-            set_pose(found->second, transform_pose(image.cam_from_cluster, cluster_from_model));
+        const auto local = numbers_.find(image.image);
+        if (!local || registered(*local)) continue;
+        taken[*local] = true;
+        set_pose(*local, transform_pose(image.cam_from_cluster, cluster_from_model));
     }
+    points_.reserve(points_.size() + model.points.size());
     // The images that are left see so much at once that counting anew is cheaper than following
     // every link.
-    for (const ScenePoint& point : model.points) take_point(point, cluster_from_model, local);
+    for (const ScenePoint& point : model.points) take_point(point, cluster_from_model, taken);
     for (std::uint32_t image = 0; image < image_count(); ++image) {
         if (!registered(image)) count_visible(image);
     }
 }
 
 void WorkingModel::take_point(const ScenePoint& point, const Sim3& cluster_from_model,
-                              const std::map<ImageId, std::uint32_t>& local) {
+                              const std::vector<bool>& taken) {
     std::vector<Feature> track;
     track.reserve(point.track.size());
     for (const Observation& observation : point.track) {
-        const auto found = local.find(observation.image);
-        if (found != local.end() && registered(found->second))
-            track.push_back({found->second, observation.feature});
+        const auto local = numbers_.find(observation.image);
+        if (local && taken[*local]) track.push_back({*local, observation.feature});
     }
     if (track.size() < 2) return;
     std::ranges::sort(track);

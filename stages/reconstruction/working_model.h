@@ -15,6 +15,7 @@
 #include "graph/sim3.h"
 #include "stages/reconstruction/cluster_problem.h"
 #include "stages/reconstruction/correspondence_graph.h"
+#include "stages/reconstruction/local_numbers.h"
 #include "stages/reconstruction/visibility_pyramid.h"
 
 namespace psfm {
@@ -53,6 +54,7 @@ class WorkingModel {
 
     std::size_t image_count() const { return poses_.size(); }
     ImageId image_id(std::uint32_t image) const { return problem_->images[image].id; }
+    const LocalNumbers& numbers() const { return numbers_; }
     CameraId camera_id(std::uint32_t image) const { return problem_->images[image].camera; }
     const Camera& camera(std::uint32_t image) const { return cameras_.at(camera_id(image)); }
     Camera& mutable_camera(CameraId id) { return cameras_.at(id); }
@@ -108,7 +110,7 @@ class WorkingModel {
 
   private:
     void take_point(const ScenePoint& point, const Sim3& cluster_from_model,
-                    const std::map<ImageId, std::uint32_t>& local);
+                    const std::vector<bool>& taken);
     double mean_error(const Point& point) const;
     void link(const Feature& feature, std::uint32_t point);
     void unlink(const Feature& feature);
@@ -116,6 +118,7 @@ class WorkingModel {
 
     const ClusterProblem* problem_;
     const CorrespondenceGraph* matches_;
+    LocalNumbers numbers_;
     std::map<CameraId, Camera> cameras_;
     std::vector<std::optional<Rigid3>> poses_;
     std::uint32_t registered_count_ = 0;

@@ -15,14 +15,14 @@
 namespace psfm {
 namespace {
 
-void adjust_ring(benchmark::State& state, std::uint32_t dense_up_to_images) {
+void adjust_ring(benchmark::State& state, std::uint32_t max_reduced_columns) {
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     const auto scene = synthetic::add_pixel_noise(
         synthetic::make_scene(
             synthetic::ring_around_sphere(static_cast<std::uint32_t>(state.range(0))), 3),
         0.5, 4);
     AdjustmentOptions options;
-    options.dense_up_to_images = dense_up_to_images;
+    options.max_reduced_columns = max_reduced_columns;
     AdjustmentReport report;
     for (auto _ : state) {
         state.PauseTiming();
@@ -42,10 +42,10 @@ void adjust_ring(benchmark::State& state, std::uint32_t dense_up_to_images) {
 }
 
 void BM_AdjustWithCeres(benchmark::State& state) {
-    adjust_ring(state, 1'000'000);
+    adjust_ring(state, 0);
 }
 void BM_AdjustReduced(benchmark::State& state) {
-    adjust_ring(state, 0);
+    adjust_ring(state, AdjustmentOptions{}.max_reduced_columns);
 }
 BENCHMARK(BM_AdjustWithCeres)->ArgName("images")->Arg(12)->Arg(100)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_AdjustReduced)->ArgName("images")->Arg(12)->Arg(100)->Unit(benchmark::kMillisecond);

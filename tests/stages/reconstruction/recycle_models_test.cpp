@@ -54,6 +54,17 @@ double max_position_error(const ClusterSolution& solution, const SyntheticScene&
     return error.ok() ? error->max_position : std::numeric_limits<double>::infinity();
 }
 
+/// Points that images before this one and images from it on see: two models had them apart.
+std::size_t points_across(const Reconstruction& model, ImageId first_of_second) {
+    std::size_t across = 0;
+    for (const ScenePoint& point : model.points) {
+        const auto in_second = [&](const Observation& o) { return o.image >= first_of_second; };
+        const auto count = std::ranges::count_if(point.track, in_second);
+        if (count > 0 && static_cast<std::size_t>(count) < point.track.size()) ++across;
+    }
+    return across;
+}
+
 TEST(RecycleModels, JoinsModelsOfDifferentGauges) {
     const SyntheticScene scene = noisy_ring(1);
     const ModelPtr first = model_of(scene, range(0, 9), 11);
@@ -67,14 +78,31 @@ TEST(RecycleModels, JoinsModelsOfDifferentGauges) {
     EXPECT_EQ(solution->model->images.size(), kImages);
     EXPECT_LT(max_position_error(*solution, scene), 0.02);  // of a ring of 8 m radius
     EXPECT_FALSE(solution->statistics.reset);
-    // Points that both models had are one now.
-    std::size_t across = 0;
-    for (const ScenePoint& point : solution->model->points) {
-        const auto in_second = [](const Observation& o) { return index_of(o.image) >= 9; };
-        const auto count = std::ranges::count_if(point.track, in_second);
-        if (count > 0 && static_cast<std::size_t>(count) < point.track.size()) ++across;
-    }
-    EXPECT_GT(across, 50U);
+    EXPECT_GT(points_across(*solution->model, ImageId{9}), 50U);
+}
+
+TEST(RecycleModels, JoinsASmallModelByALocalAdjustment) {
+    const SyntheticScene scene = noisy_ring(6);
+    const ModelPtr base = model_of(scene, range(0, 13), 61);
+    const ModelPtr small = model_of(scene, range(13, kImages), 62);
+    SolveOptions options;
+    options.eta_grow = 0.5;
+    const auto solution = solve_cluster(ring_problem(scene, {base, small}), options);
+    ASSERT_TRUE(solution.ok()) << solution.error().message;
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kTransfer);
+    EXPECT_EQ(solution->statistics.joined_models, 1U);
+    EXPECT_EQ(solution->statistics.full_adjustments, 0U) << "it has not grown by so much";
+    EXPECT_GT(solution->statistics.local_adjustments, 0U);
+    EXPECT_EQ(solution->state.images_at_full_adjustment, 13U);
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.03);
+    EXPECT_GT(points_across(*solution->model, ImageId{13}), 50U);
+    options.eta_grow = 0.15;
+    const auto whole = solve_cluster(ring_problem(scene, {base, small}), options);
+    EXPECT_GT(whole->statistics.full_adjustments, 0U);
+    // What both models had is one point in either case.
+    EXPECT_LT(static_cast<double>(solution->model->points.size()),
+              1.02 * static_cast<double>(whole->model->points.size()));
 }
 
 TEST(RecycleModels, JoinsThroughAThirdModel) {
