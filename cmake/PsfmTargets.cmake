@@ -16,7 +16,8 @@ target_compile_features(psfm_flags INTERFACE cxx_std_20)
 target_compile_options(psfm_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
                                             -Wno-sign-conversion -fno-math-errno)
 if(PSFM_SANITIZE)
-  target_compile_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE} -fno-omit-frame-pointer -g)
+  # -g1: functions and lines of a finding's stack, and half of what -g takes on the disk.
+  target_compile_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE} -fno-omit-frame-pointer -g1)
   target_link_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE})
   if(PSFM_SANITIZE MATCHES "undefined")
     # Debian's OpenCV and TBB are built without typeinfo that -fsanitize=vptr needs (PARTS.md).

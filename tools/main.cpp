@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <glog/logging.h>
 #include <malloc.h>
+#include <sys/resource.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -67,11 +68,22 @@ void return_large_blocks() {
     mallopt(M_TRIM_THRESHOLD, kTopBytes);
 }
 
+/// All tables of a session stay open, for readers to go on with those that the writer has deleted:
+/// hundreds in a session of some GB. Most systems allow 1024 files at first, and many more to who
+/// asks. Where that fails, the session says that too many files are open.
+void allow_open_files() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
         return_large_blocks();
+        allow_open_files();
         quieten_libraries();
         return run(argc, argv);
     } catch (const std::exception& exception) {

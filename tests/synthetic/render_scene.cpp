@@ -28,6 +28,10 @@ int main(int argc, char** argv) {
         ->transform(CLI::CheckedTransformer(scenes));
     app.add_option("--width", options.width, "[px]")->capture_default_str();
     app.add_option("--height", options.height, "[px]")->capture_default_str();
+    app.add_option(
+           "--texels-per-metre", options.texels_per_metre,
+           "sharpness of the paint: 200 suits 1024 px of width, and takes the time it takes")
+        ->capture_default_str();
     app.add_option("--focal-error", options.focal_relative_error,
                    "true over EXIF focal length, minus 1")
         ->capture_default_str();

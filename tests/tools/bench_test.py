@@ -3,12 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """tools/bench: figures are computed, programs watched and pages written as they should be. Nothing here tests time."""
 import json
-import os
 import sqlite3
-import stat
-import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -28,19 +24,7 @@ import parts  # noqa: E402
 import peers  # noqa: E402
 import simulated  # noqa: E402
 import watched  # noqa: E402
-
-
-class Folder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def program(self, name, text):
-        file = self.folder / name
-        file.write_text(text.replace("{python}", sys.executable))
-        file.chmod(file.stat().st_mode | stat.S_IXUSR)
-        return file
+from folder import Folder  # noqa: E402
 
 
 class Arithmetic(unittest.TestCase):
@@ -235,14 +219,8 @@ class Scratch(Folder):
 
 
 # What stands in for psfm: models from the third image on.
-PSFM = """#!{python}
-import json, sys
-from pathlib import Path
-words = sys.argv[1:]
-def value(name): return Path(words[words.index(name) + 1])
-if words == ["--version"]:
-    print("0.0")
-elif words[0] == "run":
+PSFM = """
+if words[0] == "run":
     names = value("--order").read_text().split()
     value("--session").mkdir()
     value("--log").write_text("".join(json.dumps(dict(event="image", index=i + 1, latency_ms=250.0 + i,
@@ -262,18 +240,12 @@ else:
 
 class Command(Folder):
     def run_tool(self, *arguments, tool="run"):
-        environment = {**os.environ, "PSFM_DATASETS": str(self.folder)}
-        done = subprocess.run([sys.executable, TOOL / tool, *map(str, arguments)], env=environment,
-                              capture_output=True, text=True, check=False)
-        return done.returncode, done.stdout, done.stderr
+        return self.run_program(TOOL / tool, *arguments)
 
     def install(self, scene):
-        photographs = self.folder / f"strecha-half/{scene}"
-        (photographs / "images").mkdir(parents=True)
-        (photographs / "gt").mkdir()
-        for i in range(6):
-            (photographs / f"images/{i}.jpg").write_text("")
-        return self.program("psfm", PSFM)
+        self.photographs(f"strecha-half/{scene}/images", 6)
+        (self.folder / f"strecha-half/{scene}/gt").mkdir()
+        return self.stand_in(PSFM)
 
     def test_list_and_usage(self):
         code, output, _ = self.run_tool("--list")

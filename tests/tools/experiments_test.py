@@ -3,13 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """tools/experiments: logs and models are read, steps planned, plots drawn and pages written as they should be."""
 import json
-import os
 import re
-import stat
 import struct
-import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -24,16 +20,11 @@ import kept  # noqa: E402
 import measurements  # noqa: E402
 import orders  # noqa: E402
 import scenes  # noqa: E402
+import sources  # noqa: E402
 import svg_plot  # noqa: E402
+from folder import Folder  # noqa: E402
 
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-class Folder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
 
 
 def image_line(index, **counts):
@@ -138,6 +129,14 @@ class Orders(Folder):
             self.assertEqual(steps[-1], count)
             self.assertGreaterEqual(steps[0], 2)
 
+    def test_colmap_until(self):
+        def steps(until):
+            return colmap_progressive.steps_of(sources.Settings(None, None, None, None, colmap_until=until), 341)
+
+        self.assertEqual(steps(None), orders.step_plan(341))
+        self.assertEqual(steps(114), [20, 40, 60, 80, 114])
+        self.assertEqual(steps(5), [20])
+
     def test_mersenne_twister_is_that_of_the_standard(self):
         random = orders.Mt19937_64(5489)
         for _ in range(9999):
@@ -241,14 +240,8 @@ class Plots(unittest.TestCase):
 
 
 # What stands in for psfm: it makes a session of the images in the order file, with a model of all of them.
-PSFM = """#!{python}
-import json, sys
-from pathlib import Path
-words = sys.argv[1:]
-def value(name): return Path(words[words.index(name) + 1])
-if words == ["--version"]:
-    print("0.0")
-elif words[0] == "run":
+PSFM = """
+if words[0] == "run":
     count = len(value("--order").read_text().split())
     value("--session").mkdir()
     (value("--session") / "count").write_text(str(count))
@@ -271,20 +264,11 @@ else:
 
 class Command(Folder):
     def run_tool(self, *arguments):
-        environment = {**os.environ, "PSFM_DATASETS": str(self.folder)}
-        done = subprocess.run([sys.executable, TOOL / "run", *map(str, arguments)], env=environment,
-                              capture_output=True, text=True, check=False)
-        return done.returncode, done.stdout, done.stderr
+        return self.run_program(TOOL / "run", *arguments)
 
     def install(self):
-        psfm = self.folder / "psfm"
-        psfm.write_text(PSFM.replace("{python}", sys.executable))
-        psfm.chmod(psfm.stat().st_mode | stat.S_IXUSR)
-        photographs = self.folder / "duplicates/cereal/images"
-        photographs.mkdir(parents=True)
-        for i in range(8):
-            (photographs / f"{i}.jpg").write_text("")
-        return psfm
+        self.photographs("duplicates/cereal/images", 8)
+        return self.stand_in(PSFM)
 
     def test_list(self):
         code, output, _ = self.run_tool("--list")

@@ -7,6 +7,7 @@
 
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
+#include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {
@@ -16,10 +17,13 @@ struct ResumeArguments {
     std::string session;
     std::string log;
     int threads = 0;
+    std::size_t cache_mib = StoreOptions{}.cache_bytes >> 20U;
 };
 
 int resume(const ResumeArguments& arguments) {
-    auto store = SessionStore::open_existing(arguments.session, StoreOptions{});
+    StoreOptions store_options;
+    store_options.cache_bytes = arguments.cache_mib << 20U;
+    auto store = SessionStore::open_existing(arguments.session, store_options);
     if (!store.ok()) return report_error(store.error());
     const auto settings = (*store)->settings();
     if (!settings.ok()) return report_error(settings.error());
@@ -43,6 +47,7 @@ void add_resume_command(CLI::App& app, int& exit_code) {
     command->add_option("--session", arguments->session, "Session folder")->required();
     command->add_option("--threads", arguments->threads, "Threads to use; 0: one a core")
         ->check(CLI::Range(0, 1024));
+    add_cache_option(*command, arguments->cache_mib);
     command->add_option("--log", arguments->log, "Append a log of JSON lines to this file");
     command->footer(
         "The session remembers its photograph folder, order and options. What was acknowledged is "

@@ -45,6 +45,15 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
 
 }  // namespace
 
+void add_cache_option(CLI::App& command, std::size_t& mib) {
+    command
+        .add_option("--cache", mib,
+                    "Memory for features and records that are used again, and for those that are "
+                    "on their way to the disk [MiB]")
+        ->check(CLI::Range(64, 1 << 20))
+        ->capture_default_str();
+}
+
 void add_session_options(CLI::App& command, SessionArguments& arguments) {
     command
         .add_option("--session", arguments.session,
@@ -62,6 +71,7 @@ void add_session_options(CLI::App& command, SessionArguments& arguments) {
                      "any number of threads");
     command.add_option("--threads", arguments.threads, "Threads to use; 0: one a core")
         ->check(CLI::Range(0, 1024));
+    add_cache_option(command, arguments.cache_mib);
     command.add_flag("--fix-intrinsics", arguments.fix_intrinsics, "Never refine intrinsics");
     command
         .add_option("--preset", arguments.preset,
@@ -98,6 +108,7 @@ Result<SessionConfig> config_from(const SessionArguments& arguments,
 int start_session(const SessionArguments& arguments, const std::filesystem::path& input,
                   SessionConfig config, bool watch) {
     StoreOptions store_options;
+    store_options.cache_bytes = arguments.cache_mib << 20U;
     store_options.history = kHistories.at(arguments.history);
     auto store = SessionStore::open(arguments.session, store_options);
     if (!store.ok()) return report_error(store.error());

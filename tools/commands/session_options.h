@@ -11,6 +11,7 @@
 
 #include "graph/result.h"
 #include "scheduler/session_config.h"
+#include "storage/session_store.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;
@@ -30,9 +31,12 @@ struct SessionArguments {
     bool deterministic = false;
     bool fix_intrinsics = false;
     int threads = 0;
+    std::size_t cache_mib = StoreOptions{}.cache_bytes >> 20U;
     std::uint64_t seed = 0;
 };
 
+/// --cache, of what opens a session for writing. @param mib  outlives the parsing
+void add_cache_option(CLI::App& command, std::size_t& mib);
 /// @param arguments  filled when the command line is parsed; outlives that
 void add_session_options(CLI::App& command, SessionArguments& arguments);
 

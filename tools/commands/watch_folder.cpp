@@ -21,20 +21,22 @@ void WatchFolder::look() {
     const auto listing = list_photos(folder_);
     if (!listing.ok())
         return;  // still empty, or gone for the moment: a watched folder may come back
+    // Of files that are gone again nothing is kept: this runs for weeks.
+    std::map<std::string, std::uintmax_t> size_at_this_look;
     for (const PhotoFile& photo : listing->photos) {
         if (handed_on_.contains(photo.name)) continue;
         std::error_code error;
         const std::uintmax_t size = std::filesystem::file_size(photo.path, error);
         if (error) continue;
-        const auto [known, added] = size_at_last_look_.try_emplace(photo.name, size);
-        if (!added && known->second == size) {
+        const auto known = size_at_last_look_.find(photo.name);
+        if (known != size_at_last_look_.end() && known->second == size) {
             handed_on_.insert(photo.name);
-            size_at_last_look_.erase(known);
             ready_.push_back(photo);
         } else {
-            known->second = size;
+            size_at_this_look.emplace(photo.name, size);
         }
     }
+    size_at_last_look_ = std::move(size_at_this_look);
 }
 
 }  // namespace psfm
