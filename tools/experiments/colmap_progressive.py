@@ -108,6 +108,12 @@ class Mapper:
         return record, models_in(kept.folder / "models")
 
 
+def steps_of(settings, count):
+    """After how many images COLMAP is continued."""
+    plan = orders.step_plan(count)
+    return [step for step in plan if settings.colmap_until is None or step <= settings.colmap_until] or plan[:1]
+
+
 def run_colmap(settings, folder, given, database, *, batch):
     """Steps of the progressive mode, and the batch model where `batch` asks for it; None without COLMAP."""
     if not settings.colmap or colmap_version() is None:
@@ -119,7 +125,7 @@ def run_colmap(settings, folder, given, database, *, batch):
     result = {"version": mapper.version, "steps": [], "batch": None}
     try:
         start, after, seconds = None, [], 0.0
-        for count in orders.step_plan(len(given.names)):
+        for count in steps_of(settings, len(given.names)):
             record, models = mapper.map(f"step-{count:04d}", given.names[:count], start, after)
             seconds += record["seconds"]
             result["steps"].append({"images": count, "seconds": seconds, "load": record["load"],
@@ -127,7 +133,7 @@ def run_colmap(settings, folder, given, database, *, batch):
                                     **judge(settings, models, given.reference)})
             start = models[0] if models else start
             after = [*after, count]
-        if batch:
+        if batch and settings.colmap_until is None:
             record, models = mapper.map("batch", given.names)
             result["batch"] = {"images": len(given.names), **record, **judge(settings, models, given.reference)}
     finally:

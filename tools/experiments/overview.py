@@ -52,7 +52,8 @@ tools/experiments/run temple-shuffled --images 60    # the first 60 of each orde
 `--work` (`build/experiments`) keeps sessions, logs and COLMAP's models. What is there already is used again, so that a
 page or plot is redrawn in seconds; an interrupted run goes on where it stopped. `--again` makes psfm's part anew.
 `--share-matches` looks at the photographs once and gives the matches to every order, `--database FILE` takes them from
-a COLMAP database; both save the time of matching, as the paper's experiments do.
+a COLMAP database; both save the time of matching, as the paper's experiments do. `--colmap-until N` continues COLMAP
+up to N images only.
 """
 
 

@@ -59,8 +59,9 @@ def results_table(results):
         order = result.run.words
         rows.append(_psfm_cells("psfm, progressive", order, result.psfm))
         if result.colmap:
-            rows.append(_colmap_cells(f"COLMAP {result.colmap['version']}, continued", order,
-                                      result.colmap["steps"][-1]))
+            end = result.colmap["steps"][-1]
+            until = f" to image {end['images']}" if end["images"] < len(result.given.names) else ""
+            rows.append(_colmap_cells(f"COLMAP {result.colmap['version']}, continued{until}", order, end))
     several = len({result.run.source for result in results}) > 1
     for result in results:
         at_once = f"all of {result.run.source.name} at once" if several else "all at once"
@@ -160,7 +161,9 @@ def in_short(results):
         words += f" ({number(final.outliers)} outliers)" if result.given.reference else ""
         if result.colmap:
             end = result.colmap["steps"][-1]
-            words += f", COLMAP {end['placed']}" + (f" ({number(end['outliers'])})" if result.given.reference else "")
+            part = f" of {end['images']}" if end["images"] < len(result.given.names) else ""
+            words += f", COLMAP {end['placed']}{part}"
+            words += f" ({number(end['outliers'])})" if result.given.reference else ""
         parts.append(words)
     return "In short: " + "; ".join(parts) + "."
 
@@ -181,7 +184,8 @@ def _provenance(settings, results):
             f"made for a load of {load} when psfm was started: compare times as ratios. ")
     colmaps = {result.colmap["version"] for result in results if result.colmap}
     if colmaps:
-        text += f"COLMAP {one(colmaps)} was fed the same verified matches in the same order. "
+        text += f"COLMAP {one(colmaps)} was fed the same verified matches in the same order"
+        text += (f", up to {settings.colmap_until} images (`--colmap-until`). " if settings.colmap_until else ". ")
     elif settings.colmap:
         text += "COLMAP is not installed there (`apt-get install colmap`), so there is nothing to compare with. "
     else:
@@ -196,6 +200,7 @@ def _again(settings, experiment):
     words += f" --images {settings.images}" if settings.images else ""
     words += " --share-matches" if settings.share_matches else ""
     words += f" --database $MATCHES/{settings.database.name}" if settings.database else ""
+    words += f" --colmap-until {settings.colmap_until}" if settings.colmap_until else ""
     return words + ("" if settings.colmap else " --no-colmap")
 
 

@@ -24,6 +24,7 @@ class Settings:
     database: Path | None = None
     share_matches: bool = False
     colmap: bool = True
+    colmap_until: int | None = None  # images after which COLMAP is not continued
     again: bool = False
 
 
