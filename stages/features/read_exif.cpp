@@ -78,17 +78,13 @@ std::string text(const Exiv2::ExifData& data, const char* key) {
 std::optional<double> focal_plane_resolution(const Exiv2::ExifData& data, const char* key) {
     const std::optional<double> resolution = positive(data, key);
     if (!resolution) return std::nullopt;
-    // 1 means "none" and 2 inch; 4 and 5 are not in the standard, but cameras write them.
-    switch (static_cast<int>(number(data, "Exif.Photo.FocalPlaneResolutionUnit").value_or(2.0))) {
-        case 3:
-            return *resolution / 10.0;
-        case 4:
-            return *resolution;
-        case 5:
-            return *resolution * 1000.0;
-        default:
-            return *resolution / 25.4;
-    }
+    // 1 means "none" and 2 inch; 4 and 5 are not in the standard, but cameras write them. It stays a
+    // double: what claims to be a unit may be no int at all.
+    const double unit = number(data, "Exif.Photo.FocalPlaneResolutionUnit").value_or(2.0);
+    if (unit == 3.0) return *resolution / 10.0;
+    if (unit == 4.0) return *resolution;
+    if (unit == 5.0) return *resolution * 1000.0;
+    return *resolution / 25.4;
 }
 
 /// Degrees, minutes and seconds with their hemisphere. Minutes and seconds that are missing or have

@@ -108,6 +108,20 @@ TEST(ReadExifTest, UnitsOfTheFocalPlane) {
     EXPECT_DOUBLE_EQ(resolution("5"), 1e6);
 }
 
+TEST(ReadExifTest, AUnitThatIsNoWholeNumberIsUnknown) {
+    const auto resolution = [](Exiv2::TypeId type, const char* unit) {
+        Exiv2::ExifData data;
+        set(data, "Exif.Photo.FocalPlaneXResolution", Exiv2::unsignedRational, "1000/1");
+        set(data, "Exif.Photo.FocalPlaneResolutionUnit", type, unit);
+        return read_exif(encode_exif(data)).focal_plane_x_per_mm.value();
+    };
+    // Beyond int, of which fuzzing made one: the conversion is undefined.
+    EXPECT_DOUBLE_EQ(resolution(Exiv2::unsignedLong, "4000000000"), 1000.0 / 25.4);
+    EXPECT_DOUBLE_EQ(resolution(Exiv2::tiffFloat, "1e30"), 1000.0 / 25.4);
+    EXPECT_DOUBLE_EQ(resolution(Exiv2::unsignedRational, "7/2"), 1000.0 / 25.4);
+    EXPECT_DOUBLE_EQ(resolution(Exiv2::unsignedRational, "3/1"), 100.0);
+}
+
 TEST(ReadExifTest, ImpossibleValuesAreAbsent) {
     Exiv2::ExifData data;
     set(data, "Exif.Image.Make", Exiv2::asciiString, "bad\x01\xFF name");
