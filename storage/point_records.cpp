@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include "storage/compact_list.h"
@@ -40,6 +45,64 @@ std::optional<std::vector<Observation>> take_track(CompactListReader& list) {
 /// Images that are looked up in tables by their numbers; a damaged record may name any number.
 constexpr std::uint32_t kTabulated = 1U << 22U;
 
+/// Which images a model places.
+class RegisteredImages {
+  public:
+    /// The model outlives it.
+    explicit RegisteredImages(const Reconstruction& poses) : poses_(&poses) {
+        // A table where the numbers allow one, as those of a session do: models are checked
+        // whenever they are written.
+        if (poses.images.empty() || index_of(poses.images.back().image) >= kTabulated) return;
+        table_.resize(index_of(poses.images.back().image) + 1);
+        for (const RegisteredImage& image : poses.images) table_[index_of(image.image)] = true;
+    }
+    bool has(ImageId image) const {
+        if (table_.empty()) return poses_->find(image) != nullptr;
+        return index_of(image) < table_.size() && table_[index_of(image)];
+    }
+    bool have(const std::vector<Observation>& track) const {
+        return std::ranges::all_of(track, [&](const Observation& seen) { return has(seen.image); });
+    }
+
+  private:
+    const Reconstruction* poses_;
+    std::vector<bool> table_;
+};
+
+constexpr std::size_t kPartPoints = 8192;  // that one task encodes
+
+std::span<const ScenePoint> part_of(const std::vector<ScenePoint>& points, std::size_t part) {
+    const auto from = std::span(points).subspan(part * kPartPoints);
+    return from.first(std::min(kPartPoints, from.size()));
+}
+
+/// The tracks of some points, and what forbids to store them.
+struct EncodedTracks {
+    CompactListWriter tracks;
+    std::optional<std::size_t> unsound;  ///< the first of these points that is
+    bool all_registered = true;
+};
+
+EncodedTracks encode_tracks(std::span<const ScenePoint> points,
+                            const RegisteredImages& registered) {
+    EncodedTracks encoded;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const ScenePoint& point = points[i];
+        if (!is_sound(point)) {
+            encoded.unsound = i;
+            return encoded;
+        }
+        encoded.all_registered = encoded.all_registered && registered.have(point.track);
+        encoded.tracks.put(point.track.size());
+        encoded.tracks.start_ascending();
+        for (const Observation& observation : point.track) {
+            encoded.tracks.put_ascending(index_of(observation.image));
+            encoded.tracks.put(observation.feature);
+        }
+    }
+    return encoded;
+}
+
 /// Of whatever numbers.
 bool no_observation_twice(const std::vector<ScenePoint>& points) {
     std::vector<Observation> all;
@@ -52,41 +115,49 @@ bool no_observation_twice(const std::vector<ScenePoint>& points) {
 }  // namespace
 
 Result<std::string> encode_points(const Reconstruction& model, const std::string& state_json) {
-    std::vector<double> positions;
-    std::vector<float> errors;
-    positions.reserve(3 * model.points.size());
-    errors.reserve(model.points.size());
-    CompactListWriter tracks;
-    for (const ScenePoint& point : model.points) {
-        if (!is_sound(point)) {
-            return not_storable("point " + std::to_string(errors.size()) +
+    std::vector<EncodedTracks> parts((model.points.size() + kPartPoints - 1) / kPartPoints);
+    const RegisteredImages registered(model);
+    bool each_feature_once = true;
+    // A waiting thread must not begin a solve in the middle of a commit.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_invoke(
+            [&] { each_feature_once = each_feature_in_one_point(model.points); },
+            [&] {
+                tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+                    parts[part] = encode_tracks(part_of(model.points, part), registered);
+                });
+            });
+    });
+    std::size_t track_bytes = 0;
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+        if (parts[part].unsound) {
+            return not_storable("point " +
+                                std::to_string(part * kPartPoints + *parts[part].unsound) +
                                 " is not finite, or its track is not ascending over two images");
         }
-        positions.insert(positions.end(), point.position.data(), point.position.data() + 3);
-        errors.push_back(point.error_px);
-        tracks.put(point.track.size());
-        tracks.start_ascending();
-        for (const Observation& observation : point.track) {
-            tracks.put_ascending(index_of(observation.image));
-            tracks.put(observation.feature);
-        }
+        if (!parts[part].all_registered)
+            return not_storable("a point observes an image that is not registered");
+        track_bytes += parts[part].tracks.bytes().size();
     }
-    if (!points_belong_to(model.points, model)) {
-        return not_storable("a point observes an image that is not registered");
-    }
-    if (!each_feature_in_one_point(model.points)) {
-        return not_storable("a feature belongs to two points");
-    }
+    if (!each_feature_once) return not_storable("a feature belongs to two points");
     constexpr std::size_t kMaxBytes = std::size_t{2'000} << 20U;
-    if (positions.size() * sizeof(double) + errors.size() * sizeof(float) + tracks.bytes().size() +
-            state_json.size() >
-        kMaxBytes) {
-        return not_storable("points take more than 2 GiB");
-    }
-    flatbuffers::FlatBufferBuilder builder;
-    const auto position_vector = builder.CreateVector(positions);
-    const auto error_vector = builder.CreateVector(errors);
-    const auto track_vector = builder.CreateVector(tracks.bytes().data(), tracks.bytes().size());
+    constexpr std::size_t kSlack = 1024;  // the table itself, and alignment
+    const std::size_t bytes = model.points.size() * (3 * sizeof(double) + sizeof(float)) +
+                              track_bytes + state_json.size() + kSlack;
+    if (bytes > kMaxBytes) return not_storable("points take more than 2 GiB");
+    flatbuffers::FlatBufferBuilder builder(bytes);
+    double* position = nullptr;
+    float* error = nullptr;
+    std::uint8_t* track = nullptr;
+    const auto position_vector =
+        builder.CreateUninitializedVector(3 * model.points.size(), &position);
+    for (const ScenePoint& point : model.points)
+        position = std::copy_n(point.position.data(), 3, position);
+    const auto error_vector = builder.CreateUninitializedVector(model.points.size(), &error);
+    for (const ScenePoint& point : model.points) *error++ = point.error_px;
+    const auto track_vector = builder.CreateUninitializedVector(track_bytes, &track);
+    for (const EncodedTracks& part : parts)
+        track = std::ranges::copy(part.tracks.bytes(), track).out;
     const auto state = builder.CreateString(state_json);
     builder.Finish(
         records::CreatePoints(builder, position_vector, error_vector, track_vector, state));
@@ -122,21 +193,9 @@ Result<SolutionPoints> decode_points(std::string_view payload) {
 }
 
 bool points_belong_to(const std::vector<ScenePoint>& points, const Reconstruction& poses) {
-    // A table where the numbers allow one, as those of a session do: models are checked whenever
-    // they are written.
-    const bool tabulate = !poses.images.empty() && index_of(poses.images.back().image) < kTabulated;
-    std::vector<bool> registered;
-    if (tabulate) {
-        registered.resize(index_of(poses.images.back().image) + 1);
-        for (const RegisteredImage& image : poses.images) registered[index_of(image.image)] = true;
-    }
-    const auto is_registered = [&](ImageId image) {
-        if (!tabulate) return poses.find(image) != nullptr;
-        return index_of(image) < registered.size() && registered[index_of(image)];
-    };
-    return std::ranges::all_of(points, [&](const ScenePoint& point) {
-        return std::ranges::all_of(point.track, is_registered, &Observation::image);
-    });
+    const RegisteredImages registered(poses);
+    return std::ranges::all_of(
+        points, [&](const ScenePoint& point) { return registered.have(point.track); });
 }
 
 bool each_feature_in_one_point(const std::vector<ScenePoint>& points) {

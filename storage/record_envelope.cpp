@@ -30,16 +30,17 @@ void store(std::string& bytes, std::size_t offset, T value) {
     std::memcpy(bytes.data() + offset, &value, sizeof(T));
 }
 
-/// Hash of everything in `value` but the hash itself, seeded with kind and key.
-std::uint64_t hash_of(std::uint8_t kind, std::string_view key, std::string_view value) {
+/// Hash of the envelope, but for the hash itself, and the payload, seeded with kind and key.
+std::uint64_t hash_of(std::uint8_t kind, std::string_view key, std::string_view envelope,
+                      std::string_view payload) {
     std::string seed_bytes(1, static_cast<char>(kind));
     seed_bytes.append(key);
     const std::uint64_t seed = XXH64(seed_bytes.data(), seed_bytes.size(), 0);
     const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> state(XXH64_createState(),
                                                                            &XXH64_freeState);
     XXH64_reset(state.get(), seed);
-    XXH64_update(state.get(), value.data(), kHashedHeader);
-    XXH64_update(state.get(), value.data() + kEnvelopeSize, value.size() - kEnvelopeSize);
+    XXH64_update(state.get(), envelope.data(), kHashedHeader);
+    XXH64_update(state.get(), payload.data(), payload.size());
     return XXH64_digest(state.get());
 }
 
@@ -49,18 +50,22 @@ Error damaged(const char* problem) {
 
 }  // namespace
 
+std::string make_envelope(RecordKind kind, std::string_view key, std::string_view payload,
+                          std::uint16_t version) {
+    std::string envelope(kEnvelopeSize, '\0');
+    std::memcpy(envelope.data(), kMagic.data(), kMagic.size());
+    store(envelope, 4, static_cast<std::uint8_t>(kind));
+    store(envelope, 5, std::uint8_t{0});
+    store(envelope, 6, version);
+    store(envelope, 8, static_cast<std::uint64_t>(payload.size()));
+    store(envelope, 16, hash_of(static_cast<std::uint8_t>(kind), key, envelope, payload));
+    return envelope;
+}
+
 std::string seal_record(RecordKind kind, std::string_view key, std::string_view payload,
                         std::uint16_t version) {
-    std::string value;
-    value.reserve(kEnvelopeSize + payload.size());
-    value.resize(kEnvelopeSize);
+    std::string value = make_envelope(kind, key, payload, version);
     value.append(payload);
-    std::memcpy(value.data(), kMagic.data(), kMagic.size());
-    store(value, 4, static_cast<std::uint8_t>(kind));
-    store(value, 5, std::uint8_t{0});
-    store(value, 6, version);
-    store(value, 8, static_cast<std::uint64_t>(payload.size()));
-    store(value, 16, hash_of(static_cast<std::uint8_t>(kind), key, value));
     return value;
 }
 
@@ -80,7 +85,8 @@ Result<std::string_view> open_record(RecordKind kind, std::string_view key,
     // The hash comes before kind and version: what a flipped bit makes of those is damage, not a
     // message from the future.
     const auto stored_kind = load<std::uint8_t>(value, 4);
-    if (load<std::uint64_t>(value, 16) != hash_of(stored_kind, key, value)) {
+    if (load<std::uint64_t>(value, 16) !=
+        hash_of(stored_kind, key, value, value.substr(kEnvelopeSize))) {
         return damaged("does not match its checksum");
     }
     if (stored_kind != static_cast<std::uint8_t>(kind) || load<std::uint8_t>(value, 5) != 0) {

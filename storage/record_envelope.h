@@ -13,6 +13,11 @@ namespace psfm {
 /// Bytes before every payload (FORMAT.md section 3).
 inline constexpr std::size_t kEnvelopeSize = 24;
 
+/// What stands before the payload in the value under `key`.
+/// @param version  format version of the kind; others than current_version() are for tests
+std::string make_envelope(RecordKind kind, std::string_view key, std::string_view payload,
+                          std::uint16_t version);
+
 /// The value to store under `key`: envelope and payload.
 /// @param version  format version of the kind; others than current_version() are for tests
 std::string seal_record(RecordKind kind, std::string_view key, std::string_view payload,

@@ -4,6 +4,7 @@
 
 #include <rocksdb/write_batch.h>
 
+#include <array>
 #include <string>
 
 #include "storage/database.h"
@@ -25,7 +26,12 @@ class SessionWriter::Batch {
             if (!error_) error_ = payload.error();
             return;
         }
-        note(batch_.Put(database_->family(family), key, seal_record(kind, key, *payload)));
+        // In two parts: the points of a large model are copied often enough on their way.
+        const std::string envelope = make_envelope(kind, key, *payload, current_version(kind));
+        const std::array<rocksdb::Slice, 2> value{envelope, *payload};
+        const rocksdb::Slice name(key);
+        note(batch_.Put(database_->family(family), rocksdb::SliceParts(&name, 1),
+                        rocksdb::SliceParts(value.data(), static_cast<int>(value.size()))));
     }
     void remove(Family family, const std::string& key) {
         note(batch_.Delete(database_->family(family), key));

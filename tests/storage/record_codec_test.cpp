@@ -173,6 +173,26 @@ TEST(RecordCodec, SolutionsComeBackAlike) {
     }
 }
 
+TEST(RecordCodec, PointsOfLargeModelsComeBackAlike) {
+    // Enough for several tasks, the last one not full; each part starts its tracks anew.
+    Rng rng(6);
+    const Reconstruction model = testing::random_model(testing::first_images(3), 20'001, rng);
+    const auto points = decode_points(*encode_points(model, "{}"));
+    ASSERT_TRUE(points.ok());
+    Reconstruction decoded = model;
+    decoded.points = points->points;
+    EXPECT_TRUE(testing::same_points(decoded, model));
+    for (const std::size_t wrong : {std::size_t{0}, std::size_t{8191}, std::size_t{20'000}}) {
+        Reconstruction broken = model;
+        broken.points[wrong].error_px = std::numeric_limits<float>::quiet_NaN();
+        const auto refused = encode_points(broken, "{}");
+        ASSERT_FALSE(refused.ok());
+        EXPECT_NE(refused.error().message.find("point " + std::to_string(wrong) + " "),
+                  std::string::npos)
+            << refused.error().message;
+    }
+}
+
 TEST(RecordCodec, ScenesComeBackAlike) {
     Rng rng(6);
     for (int i = 0; i < 50; ++i) {
