@@ -40,6 +40,19 @@ std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
     return calibrated;
 }
 
+/// By image: the cluster that places it, in whose model it is. A table, since every edge of the
+/// view graph is looked up in it.
+std::vector<std::optional<ClusterId>> placing_clusters(const SessionState& state) {
+    std::vector<std::optional<ClusterId>> placing(state.view_graph.size());
+    for (const auto& [id, entry] : state.clusters.entries()) {
+        if (!entry.model) continue;
+        for (const RegisteredImage& image : entry.model->images) {
+            if (state.clusters.of(image.image).id == id) placing[index_of(image.image)] = id;
+        }
+    }
+    return placing;
+}
+
 }  // namespace
 
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
@@ -73,17 +86,16 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
 
 std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state) {
     auto problem = std::make_shared<MergeProblem>();
-    std::map<std::pair<ClusterId, ClusterId>, std::vector<VerifiedPairPtr>> between;
-    for (const auto& [id, entry] : state.clusters.entries()) {
+    for (const auto& [id, entry] : state.clusters.entries())
         problem->clusters.push_back({id, entry.revision, entry.model});
-        if (!entry.model) continue;
-        for (const RegisteredImage& image : entry.model->images) {
-            if (state.clusters.of(image.image).id != id) continue;
-            for (const ViewGraph::Edge& edge : state.view_graph.edges(image.image)) {
-                const ClusterEntry& other = state.clusters.of(edge.neighbor);
-                if (id < other.id && other.model && other.model->find(edge.neighbor) != nullptr)
-                    between[{id, other.id}].push_back(edge.pair);
-            }
+    const std::vector<std::optional<ClusterId>> placing = placing_clusters(state);
+    std::map<std::pair<ClusterId, ClusterId>, std::vector<VerifiedPairPtr>> between;
+    for (std::uint32_t number = 0; number < placing.size(); ++number) {
+        if (!placing[number]) continue;
+        for (const ViewGraph::Edge& edge : state.view_graph.edges(static_cast<ImageId>(number))) {
+            const std::optional<ClusterId>& other = placing[index_of(edge.neighbor)];
+            if (other && *placing[number] < *other)
+                between[{*placing[number], *other}].push_back(edge.pair);
         }
     }
     for (auto& [clusters, edges] : between) {

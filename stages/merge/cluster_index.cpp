@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/cluster_index.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace psfm {
@@ -18,21 +19,34 @@ ClusterIndex::ClusterIndex(const Reconstruction& model, std::span<const ImageId>
     for (std::size_t k = 0; k < centres_.size(); ++k) {
         neighbor_distances_.push_back(centres_.nearest_distance(centres_.points()[k], k));
     }
-    for (const ImageId image : images) points_[image];
+    if (images.empty()) return;
+    first_image_ = index_of(images.front());
+    place_of_.assign(index_of(images.back()) - first_image_ + 1, kNotAsked);
+    for (std::uint32_t place = 0; place < images.size(); ++place)
+        place_of_[index_of(images[place]) - first_image_] = place;
+    points_.resize(images.size());
     for (std::uint32_t p = 0; p < model.points.size(); ++p) {
         for (const Observation& seen : model.points[p].track) {
-            const auto found = points_.find(seen.image);
-            if (found != points_.end()) found->second.emplace(seen.feature, p);
+            const std::uint32_t place = place_of(seen.image);
+            if (place != kNotAsked) points_[place].emplace_back(seen.feature, p);
         }
     }
+    for (auto& points : points_) std::ranges::sort(points);
+}
+
+std::uint32_t ClusterIndex::place_of(ImageId image) const {
+    const std::uint32_t offset = index_of(image) - first_image_;  // wraps round below the first
+    return offset < place_of_.size() ? place_of_[offset] : kNotAsked;
 }
 
 std::optional<std::uint32_t> ClusterIndex::point_of(ImageId image, std::uint32_t feature) const {
-    const auto points = points_.find(image);
-    if (points == points_.end()) return std::nullopt;
-    const auto point = points->second.find(feature);
-    if (point == points->second.end()) return std::nullopt;
-    return point->second;
+    const std::uint32_t place = place_of(image);
+    if (place == kNotAsked) return std::nullopt;
+    const auto& points = points_[place];
+    const auto found = std::ranges::lower_bound(points, feature, {},
+                                                &std::pair<std::uint32_t, std::uint32_t>::first);
+    if (found == points.end() || found->first != feature) return std::nullopt;
+    return found->second;
 }
 
 }  // namespace psfm

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "graph/ids.h"
@@ -33,7 +33,15 @@ class ClusterIndex {
     const Reconstruction* model_;
     KdTree centres_;
     std::vector<double> neighbor_distances_;
-    std::unordered_map<ImageId, std::unordered_map<std::uint32_t, std::uint32_t>> points_;
+    static constexpr std::uint32_t kNotAsked = 0xFFFFFFFFU;
+    /// Of an image among those asked for.
+    std::uint32_t place_of(ImageId image) const;
+
+    // Tables, since every observation of the model is looked at once.
+    std::uint32_t first_image_ = 0;
+    std::vector<std::uint32_t> place_of_;  // by image, from the first one on
+    /// By place: feature and its point, ascending.
+    std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> points_;
 };
 
 }  // namespace psfm

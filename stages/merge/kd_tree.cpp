@@ -34,6 +34,13 @@ double KdTree::nearest_distance(const Eigen::Vector3d& query, std::size_t exclud
     return std::sqrt(best);
 }
 
+bool KdTree::has_nearer(const Eigen::Vector3d& query, double distance, std::size_t excluded) const {
+    const double limit = distance * distance;
+    double best = limit;
+    search(0, order_.size(), 0, query, excluded, best);
+    return best < limit;
+}
+
 void KdTree::search(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
                     std::size_t excluded, double& best) const {
     if (first >= last) return;

@@ -24,10 +24,15 @@ class KdTree {
 
     /// Distance from `query` to the nearest point but `excluded`; infinity without any.
     double nearest_distance(const Eigen::Vector3d& query, std::size_t excluded = kNone) const;
+    /// Whether a point but `excluded` is nearer than `distance`: far from all of them this is told
+    /// at once.
+    bool has_nearer(const Eigen::Vector3d& query, double distance,
+                    std::size_t excluded = kNone) const;
 
   private:
     /// Sorts order_[first, last) into a balanced tree with its root in the middle.
     void build(std::size_t first, std::size_t last, int axis);
+    /// @param best  squared distance of the nearest so far; farther ones are not looked at
     void search(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
                 std::size_t excluded, double& best) const;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <random>
 
@@ -28,12 +29,22 @@ constexpr int kProposals = 60;
 /// A camera stayed if it moved by less than this part of the median distance between neighbours.
 constexpr double kStayed = 0.25;
 constexpr int kRefinements = 10;
+/// Of more images every second, third, … is looked at: they tell a frame as well, and what a new
+/// image costs does not grow with their number. Ours.
+constexpr std::size_t kImagesLookedAt = 1000;
 
-double cost_of(std::span<const Match> matches, const Sim3& world_from_component, double tolerance) {
+std::size_t stride_over(std::size_t images) {
+    return std::max<std::size_t>(1, (images + kImagesLookedAt - 1) / kImagesLookedAt);
+}
+
+/// Summing ends where the cost is `limit` or more.
+double cost_of(std::span<const Match> matches, const Sim3& world_from_component, double tolerance,
+               double limit) {
     double cost = 0.0;
     for (const Match& match : matches) {
         const double moved = (world_from_component * match.in_component - match.in_world).norm();
         cost += std::min(moved / tolerance, 1.0);
+        if (cost >= limit) break;
     }
     return cost;
 }
@@ -103,7 +114,7 @@ double median_neighbor_distance(std::span<const Eigen::Vector3d> centres) {
     const KdTree tree(std::vector<Eigen::Vector3d>(centres.begin(), centres.end()));
     std::vector<double> distances;
     distances.reserve(centres.size());
-    for (std::size_t k = 0; k < centres.size(); ++k) {
+    for (std::size_t k = 0; k < centres.size(); k += stride_over(centres.size())) {
         distances.push_back(tree.nearest_distance(centres[k], k));
     }
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -116,22 +127,23 @@ Sim3 world_from_component(std::span<const PlacedImage> images,
                           std::span<const Sim3> candidates, const Sim3& fallback) {
     std::vector<Match> matches;
     std::vector<Eigen::Vector3d> before;
-    for (const PlacedImage& image : images) {
-        const auto found = published.find(image.image);
+    const std::size_t stride = stride_over(images.size());
+    for (std::size_t k = 0; k < images.size(); ++k) {
+        const auto found = published.find(images[k].image);
         if (found == published.end()) continue;
-        matches.push_back({image.cam_from_component, found->second,
-                           image.cam_from_component.target_origin_in_source(),
-                           found->second.target_origin_in_source()});
-        before.push_back(matches.back().in_world);
+        before.push_back(found->second.target_origin_in_source());
+        if ((before.size() - 1) % stride != 0) continue;
+        matches.push_back({images[k].cam_from_component, found->second,
+                           images[k].cam_from_component.target_origin_in_source(), before.back()});
     }
     if (matches.empty()) return fallback;
     const double spacing = median_neighbor_distance(before);
     const double tolerance = kStayed * (spacing > 0.0 ? spacing : 1.0);
 
     std::optional<Sim3> best;
-    double best_cost = 0.0;
+    double best_cost = std::numeric_limits<double>::infinity();
     const auto consider = [&](const Sim3& sim) {
-        const double cost = cost_of(matches, sim, tolerance);
+        const double cost = cost_of(matches, sim, tolerance, best_cost);
         if (best && cost >= best_cost) return;
         best = sim;
         best_cost = cost;

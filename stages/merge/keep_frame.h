@@ -24,12 +24,13 @@ struct PlacedImage {
 /// one image.
 std::unordered_map<ImageId, Rigid3> published_poses(const Scene& scene);
 
-/// Median distance of camera centres to their nearest other one; 0 for fewer than two.
+/// Median distance of camera centres to their nearest other one; 0 for fewer than two. Of
+/// thousands, some evenly chosen ones are asked.
 double median_neighbor_distance(std::span<const Eigen::Vector3d> centres);
 
 /// The similarity that leaves most images where they were published: robust, so that a part that
 /// was moved for good reason (a loop closed, a cluster solved anew) does not drag the rest along.
-/// Every image has one vote.
+/// Every image has one vote; of thousands, some evenly chosen ones.
 /// @param images of one component
 /// @param candidates similarities to be judged first, e.g. those that leave an unchanged cluster in
 /// place

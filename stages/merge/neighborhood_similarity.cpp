@@ -24,9 +24,9 @@ void count_kept(const ClusterIndex& source, const ClusterIndex& target,
         if (!std::isfinite(own)) continue;
         ++count.all;
         const Eigen::Vector3d centre = target_from_source * source.centres().points()[k];
-        const double other =
-            target.centres().nearest_distance(centre, position_of(source, k, target));
-        if (target_from_source.scale * own <= other) ++count.kept;
+        if (!target.centres().has_nearer(centre, target_from_source.scale * own,
+                                         position_of(source, k, target)))
+            ++count.kept;
     }
 }
 

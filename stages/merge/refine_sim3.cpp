@@ -81,7 +81,8 @@ Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_
         }
         if (problem.NumResidualBlocks() < 3) return b_from_a;
         ceres::Solver::Options options;
-        options.linear_solver_type = ceres::DENSE_QR;
+        // Seven unknowns, and up to tens of thousands of residuals.
+        options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
         options.max_num_iterations = 50;
         options.function_tolerance = 1e-12;
         options.parameter_tolerance = 1e-12;

@@ -30,12 +30,16 @@ TEST(KdTree, EqualsASearchThroughAllPoints) {
                 if (k != excluded) expected = std::min(expected, (points[k] - at).norm());
             }
             ASSERT_DOUBLE_EQ(tree.nearest_distance(at, excluded), expected);
+            if (std::isinf(expected)) continue;
+            EXPECT_FALSE(tree.has_nearer(at, 0.999 * expected, excluded));
+            EXPECT_TRUE(tree.has_nearer(at, 1.001 * expected, excluded));
         }
     }
 }
 
 TEST(KdTree, EmptyIsInfinitelyFar) {
     EXPECT_TRUE(std::isinf(KdTree().nearest_distance(Eigen::Vector3d::Zero())));
+    EXPECT_FALSE(KdTree().has_nearer(Eigen::Vector3d::Zero(), 1e300));
 }
 
 }  // namespace

@@ -58,6 +58,21 @@ TEST(KeepFrame, FollowsTheMajority) {
     EXPECT_LT(test::difference(found, truth), 1e-3);
 }
 
+TEST(KeepFrame, FollowsTheMajorityOfThousands) {
+    // Of which not all are looked at: the last third, a cluster of its own, moved elsewhere.
+    synthetic::Rng rng(8);
+    const Sim3 truth = synthetic::random_gauge(8);
+    constexpr std::uint32_t kImages = 3700;
+    Cameras cameras = cameras_at(spread(kImages, rng), truth, rng);
+    const Sim3 elsewhere = synthetic::random_gauge(9);
+    for (std::uint32_t k = 2 * kImages / 3; k < kImages; ++k) {
+        Rigid3& pose = cameras.published[static_cast<ImageId>(k)];
+        pose = transform_pose(pose, elsewhere);
+    }
+    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {});
+    EXPECT_LT(test::difference(found, truth), 1e-3);
+}
+
 TEST(KeepFrame, NeedsNoMoreThanALineOrTwoCameras) {
     synthetic::Rng rng(4);
     const Sim3 truth = synthetic::random_gauge(4);
