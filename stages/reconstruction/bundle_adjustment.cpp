@@ -121,14 +121,18 @@ double observation_sigma(const Keypoint& keypoint, const AdjustmentOptions& opti
 
 Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
                                 const AdjustmentOptions& options) {
-    const AdjustmentSelection selection = select_residuals(model, scope);
+    AdjustmentSelection selection = select_residuals(model, scope);
     if (selection.residuals.empty())
         return Error{ErrorCode::kDegenerate, "bundle adjustment: no observations"};
     AdjustmentParameters parameters = lay_out(model, selection.residuals);
     const AdjustmentColumns columns = make_columns(model, scope, selection, parameters);
-    const bool reduce = columns.count > 0 && columns.count <= options.max_reduced_columns;
-    const auto costs = reduce ? adjust_reduced(model, selection, columns, options, parameters)
-                              : adjust_with_ceres(model, scope, selection, options, parameters);
+    order_by_column(selection, columns);
+    const TilePattern pattern = pattern_of(columns, selection, model);
+    const bool reduce = columns.count > 0 && pattern.bytes() <= std::size_t{options.max_reduced_mib}
+                                                                    << 20U;
+    const auto costs = reduce
+                           ? adjust_reduced(model, selection, columns, pattern, options, parameters)
+                           : adjust_with_ceres(model, scope, selection, options, parameters);
     if (!costs.ok()) return costs.error();
     write_back(parameters, selection, scope, model);
     AdjustmentReport report;

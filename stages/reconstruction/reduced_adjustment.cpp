@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "stages/reconstruction/elimination_order.h"
 #include "stages/reconstruction/reduced_system.h"
 
 namespace psfm {
@@ -51,11 +52,15 @@ AdjustmentColumns make_columns(const WorkingModel& model, const AdjustmentScope&
                                const AdjustmentParameters& parameters) {
     AdjustmentColumns columns;
     columns.pose.assign(model.image_count(), AdjustmentColumns::kHeld);
+    std::vector<std::uint32_t> moving;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         const bool is_origin = scope.gauge && scope.gauge->origin == image;
-        if (parameters.pose_at[image] == AdjustmentParameters::kAbsent ||
-            !selection.image_is_free[image] || is_origin)
-            continue;
+        if (parameters.pose_at[image] != AdjustmentParameters::kAbsent &&
+            selection.image_is_free[image] && !is_origin)
+            moving.push_back(image);
+    }
+    for (const std::uint32_t image :
+         elimination_order(selection, std::move(moving), model.image_count())) {
         columns.pose[image] = columns.count;
         if (scope.gauge && scope.gauge->farthest == image) {
             columns.held_translation =
@@ -80,12 +85,59 @@ AdjustmentColumns make_columns(const WorkingModel& model, const AdjustmentScope&
     return columns;
 }
 
+void order_by_column(AdjustmentSelection& selection, const AdjustmentColumns& columns) {
+    std::vector<AdjustmentResidual>& residuals = selection.residuals;
+    for (auto first = residuals.begin(); first != residuals.end();) {
+        const auto last = std::find_if(first, residuals.end(), [&](const auto& residual) {
+            return residual.point != first->point;
+        });
+        std::sort(first, last, [&](const AdjustmentResidual& a, const AdjustmentResidual& b) {
+            return columns.pose[a.feature.image] < columns.pose[b.feature.image] ||
+                   (columns.pose[a.feature.image] == columns.pose[b.feature.image] &&
+                    a.feature.image < b.feature.image);
+        });
+        first = last;
+    }
+}
+
+TilePattern pattern_of(const AdjustmentColumns& columns, const AdjustmentSelection& selection,
+                       const WorkingModel& model) {
+    std::vector<std::size_t> starts;
+    for (const std::size_t column : columns.pose) {
+        if (column != AdjustmentColumns::kHeld) starts.push_back(column);
+    }
+    for (const auto& [camera, intrinsics] : columns.intrinsics) starts.push_back(intrinsics.column);
+    std::ranges::sort(starts);
+    TilePattern pattern(starts, columns.count);
+    std::vector<std::uint32_t> tiles;
+    const auto add = [&](std::size_t column) {
+        const std::uint32_t tile = pattern.tile_of(column);
+        const auto place = std::ranges::lower_bound(tiles, tile);
+        if (place == tiles.end() || *place != tile) tiles.insert(place, tile);
+    };
+    const std::vector<AdjustmentResidual>& residuals = selection.residuals;
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+        if (i > 0 && residuals[i].point != residuals[i - 1].point) {
+            pattern.couple(tiles);
+            tiles.clear();
+        }
+        const std::uint32_t image = residuals[i].feature.image;
+        if (columns.pose[image] != AdjustmentColumns::kHeld) add(columns.pose[image]);
+        const auto intrinsics = columns.intrinsics.find(model.camera_id(image));
+        if (intrinsics != columns.intrinsics.end() && !intrinsics->second.slots.empty())
+            add(intrinsics->second.column);
+    }
+    pattern.couple(tiles);
+    pattern.fill();
+    return pattern;
+}
+
 Result<AdjustmentCosts> adjust_reduced(const WorkingModel& model,
                                        const AdjustmentSelection& selection,
-                                       const AdjustmentColumns& columns,
+                                       const AdjustmentColumns& columns, const TilePattern& pattern,
                                        const AdjustmentOptions& options,
                                        AdjustmentParameters& parameters) {
-    ReducedSystem system(model, selection, columns, options, parameters);
+    ReducedSystem system(model, selection, columns, pattern, options, parameters);
     std::vector<double>& values = parameters.values;
     AdjustmentCosts costs;
     costs.before = costs.after = system.cost(values);

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "stages/reconstruction/adjustment_problem.h"
+#include "stages/reconstruction/tiled_matrix.h"
 
 namespace psfm {
 
-/// Where the free cameras stand in the reduced camera system: poses first, ascending by image, then
-/// intrinsics.
+/// Where the free cameras stand in the reduced camera system: poses first, in the order of their
+/// elimination, then intrinsics.
 struct AdjustmentColumns {
     static constexpr std::size_t kHeld = static_cast<std::size_t>(-1);
     struct Intrinsics {
@@ -31,6 +32,13 @@ AdjustmentColumns make_columns(const WorkingModel& model, const AdjustmentScope&
                                const AdjustmentSelection& selection,
                                const AdjustmentParameters& parameters);
 
+/// Residuals of each point become ascending by column, as adjust_reduced reads them.
+void order_by_column(AdjustmentSelection& selection, const AdjustmentColumns& columns);
+
+/// Which parts of the reduced camera system are not empty, once it is factorised.
+TilePattern pattern_of(const AdjustmentColumns& columns, const AdjustmentSelection& selection,
+                       const WorkingModel& model);
+
 /// Half the sums of the losses, as Ceres counts them.
 struct AdjustmentCosts {
     double before = 0.0;
@@ -41,13 +49,15 @@ struct AdjustmentCosts {
 /// Levenberg-Marquardt steps on the reduced camera system (Triggs et al., Bundle Adjustment - A
 /// Modern Synthesis, 2000, sec. 6.1), with the residuals, the loss and the step control of Ceres's
 /// solver. Points are eliminated one after the other and their derivatives forgotten, so that
-/// memory is that of the dense system, and a few bytes an observation. Uses TBB's threads where
+/// memory is that of the system's tiles, and a few bytes an observation. Uses TBB's threads where
 /// they are free; the result does not depend on them.
+/// @param selection  ordered by column
+/// @param pattern  of these columns
 /// @param parameters  taken to the least cost that is found
 /// @errors kDegenerate (no step lowers the cost, or a point is behind a camera at the start)
 Result<AdjustmentCosts> adjust_reduced(const WorkingModel& model,
                                        const AdjustmentSelection& selection,
-                                       const AdjustmentColumns& columns,
+                                       const AdjustmentColumns& columns, const TilePattern& pattern,
                                        const AdjustmentOptions& options,
                                        AdjustmentParameters& parameters);
 

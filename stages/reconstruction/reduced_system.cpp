@@ -2,38 +2,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/reduced_system.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <numeric>
 
-#include "stages/reconstruction/dense_cholesky.h"
+#include "stages/reconstruction/in_parallel.h"
 
 namespace psfm {
 namespace {
 
-constexpr std::size_t kBatch = 512;   // points that are linearised before the system takes them up
-constexpr std::size_t kStripes = 64;  // of the system's columns; each is one task
-
-/// A waiting thread must not begin another solve in the middle of this one.
-template <typename Body>
-void in_parallel(std::size_t count, const Body& body) {
-    tbb::this_task_arena::isolate([&] { tbb::parallel_for(std::size_t{0}, count, body); });
-}
+constexpr std::size_t kBatch = 512;  // points that are linearised before the system takes them up
+/// Of the system's columns; each is one task. In a stripe, all points of a batch are looked at: few
+/// columns are not worth many of them.
+constexpr std::size_t kMaxStripes = 64, kStripeColumns = 12;
 
 }  // namespace
 
 ReducedSystem::ReducedSystem(const WorkingModel& model, const AdjustmentSelection& selection,
-                             const AdjustmentColumns& columns, const AdjustmentOptions& options,
-                             const AdjustmentParameters& layout)
+                             const AdjustmentColumns& columns, const TilePattern& pattern,
+                             const AdjustmentOptions& options, const AdjustmentParameters& layout)
     : selection_(selection),
       columns_(columns),
       layout_(layout),
       evaluator_(model, selection, columns, options, layout),
       groups_(groups_of(selection.residuals)),
-      points_(std::min(kBatch, groups_.size())) {
+      points_(std::min(kBatch, groups_.size())),
+      stripes_(std::clamp(columns.count / kStripeColumns, std::size_t{1}, kMaxStripes)),
+      system_(pattern) {
     for (const auto& [camera, intrinsics] : columns.intrinsics) {
         if (!intrinsics.free_principal_point) continue;
         const Camera& initial = model.cameras().at(camera);
@@ -64,7 +59,7 @@ std::span<const ReducedSystem::Group> ReducedSystem::batch(std::size_t number) c
 }
 
 ReducedSystem::Stripe ReducedSystem::stripe(std::size_t number) const {
-    return {number * columns_.count / kStripes, (number + 1) * columns_.count / kStripes};
+    return {number * columns_.count / stripes_, (number + 1) * columns_.count / stripes_};
 }
 
 ReducedSystem::LinearizedPrior ReducedSystem::linearize(const Prior& prior,
@@ -92,9 +87,9 @@ double ReducedSystem::cost(const std::vector<double>& values) const {
 std::optional<double> ReducedSystem::step(const std::vector<double>& values, double radius,
                                           std::vector<double>& moved) {
     build(values, radius);
-    if (!factorize_cholesky(system_)) return std::nullopt;
+    if (!system_.factorize()) return std::nullopt;
     Eigen::VectorXd delta = -(gradient_ + eliminated_);
-    solve_cholesky(system_, delta);
+    system_.solve(delta);
     if (!delta.allFinite()) return std::nullopt;
     moved = values;
     move_cameras(delta, moved);
@@ -105,7 +100,7 @@ std::optional<double> ReducedSystem::step(const std::vector<double>& values, dou
 
 void ReducedSystem::build(const std::vector<double>& values, double radius) {
     const auto size = static_cast<Eigen::Index>(columns_.count);
-    system_.setZero(size, size);
+    system_.set_zero();
     for (Eigen::VectorXd* vector : {&eliminated_, &gradient_, &squares_}) vector->setZero(size);
     for (std::size_t number = 0; number < batches(); ++number) {
         const std::span<const Group> groups = batch(number);
@@ -113,7 +108,7 @@ void ReducedSystem::build(const std::vector<double>& values, double radius) {
             evaluator_.eliminate(groups[i].first, groups[i].count, values, radius, points_[i]);
         });
         // A column belongs to one task, which adds the points in their order.
-        in_parallel(kStripes, [&](std::size_t task) {
+        in_parallel(stripes_, [&](std::size_t task) {
             const Stripe columns = stripe(task);
             for (std::size_t i = 0; i < groups.size(); ++i) add_point(points_[i], columns);
         });
@@ -137,23 +132,23 @@ void ReducedSystem::add_pose(const EliminatedPoint& point, std::size_t left) {
     const LinearizedObservation& seen = point.observations[pose.observation];
     const auto column = static_cast<Eigen::Index>(pose.column);
     squares_.segment<6>(column) += seen.by_pose.colwise().squaredNorm().transpose();
-    system_.block<6, 6>(column, column).noalias() += seen.by_pose.transpose() * seen.by_pose;
+    system_.part<6, 6>(pose.column, pose.column).noalias() +=
+        seen.by_pose.transpose() * seen.by_pose;
     gradient_.segment<6>(column).noalias() += seen.by_pose.transpose() * seen.residual;
     if (seen.intrinsics != nullptr) {
-        const auto row = static_cast<Eigen::Index>(seen.intrinsics->column);
         const auto free = static_cast<Eigen::Index>(seen.intrinsics->slots.size());
-        system_.block(row, column, free, 6).noalias() +=
+        system_.part<Eigen::Dynamic, 6>(seen.intrinsics->column, pose.column, free).noalias() +=
             seen.by_intrinsics.leftCols(free).transpose() * seen.by_pose;
     }
     if (!point.is_free) return;
     eliminated_.segment<6>(column).noalias() -= pose.scaled * point.gradient;
     for (std::size_t low = left; low < point.poses.size(); ++low) {
         const auto& other = point.poses[low];
-        system_.block<6, 6>(static_cast<Eigen::Index>(other.column), column).noalias() -=
+        system_.part<6, 6>(other.column, pose.column).noalias() -=
             other.cross.lazyProduct(pose.scaled.transpose());
     }
     for (const auto& camera : point.intrinsics) {
-        system_.block(static_cast<Eigen::Index>(camera.column), column, camera.size, 6).noalias() -=
+        system_.part<Eigen::Dynamic, 6>(camera.column, pose.column, camera.size).noalias() -=
             camera.cross.topRows(camera.size) * pose.scaled.transpose();
     }
 }
@@ -164,8 +159,10 @@ void ReducedSystem::add_intrinsics(const EliminatedPoint& point, std::size_t lef
     for (const LinearizedObservation& seen : point.observations) {
         if (seen.intrinsics == nullptr || seen.intrinsics->column != camera.column) continue;
         const auto rows = seen.by_intrinsics.leftCols(camera.size);
-        system_.block(column, column, camera.size, camera.size).noalias() +=
-            rows.transpose() * rows;
+        system_
+            .part<Eigen::Dynamic, Eigen::Dynamic>(camera.column, camera.column, camera.size,
+                                                  camera.size)
+            .noalias() += rows.transpose() * rows;
         squares_.segment(column, camera.size) += rows.colwise().squaredNorm().transpose();
         gradient_.segment(column, camera.size).noalias() += rows.transpose() * seen.residual;
     }
@@ -174,7 +171,9 @@ void ReducedSystem::add_intrinsics(const EliminatedPoint& point, std::size_t lef
     eliminated_.segment(column, camera.size).noalias() -= scaled * point.gradient;
     for (std::size_t low = left; low < point.intrinsics.size(); ++low) {
         const auto& other = point.intrinsics[low];
-        system_.block(static_cast<Eigen::Index>(other.column), column, other.size, camera.size)
+        system_
+            .part<Eigen::Dynamic, Eigen::Dynamic>(other.column, camera.column, other.size,
+                                                  camera.size)
             .noalias() -= other.cross.topRows(other.size) * scaled.transpose();
     }
 }
@@ -190,7 +189,7 @@ void ReducedSystem::add_priors(const std::vector<double>& values) {
             squares_[row] += by_slot.squaredNorm();
             gradient_[row] += by_slot.dot(linear.residual);
             for (std::size_t j = 0; j <= i; ++j) {
-                system_(row, column + static_cast<Eigen::Index>(j)) +=
+                system_.at(prior.intrinsics->column + i, prior.intrinsics->column + j) +=
                     by_slot.dot(linear.by_intrinsics.col(slots[j]));
             }
         }
@@ -198,11 +197,11 @@ void ReducedSystem::add_priors(const std::vector<double>& values) {
 }
 void ReducedSystem::damp(double radius) {
     damping_ = squares_.unaryExpr([&](double square) { return damping_of(square, radius); });
-    system_.diagonal() += damping_;
+    for (std::size_t i = 0; i < columns_.count; ++i)
+        system_.at(i, i) += damping_[static_cast<Eigen::Index>(i)];
     if (columns_.held_translation) {
         // Nothing depends on it: its step is zero.
-        const auto held = static_cast<Eigen::Index>(*columns_.held_translation);
-        system_(held, held) = 1.0;
+        system_.at(*columns_.held_translation, *columns_.held_translation) = 1.0;
     }
 }
 

@@ -16,15 +16,15 @@
 
 namespace psfm {
 
-/// The reduced camera system of an adjustment: built point by point, solved dense. Work is split by
-/// batches of points and stripes of columns, the same ones on any number of threads, so that
+/// The reduced camera system of an adjustment: built point by point, solved by tiles. Work is split
+/// by batches of points and stripes of columns, the same ones on any number of threads, so that
 /// results do not depend on them. Owned by one adjustment; not thread-safe.
 class ReducedSystem {
   public:
     /// All outlive it.
     ReducedSystem(const WorkingModel& model, const AdjustmentSelection& selection,
-                  const AdjustmentColumns& columns, const AdjustmentOptions& options,
-                  const AdjustmentParameters& layout);
+                  const AdjustmentColumns& columns, const TilePattern& pattern,
+                  const AdjustmentOptions& options, const AdjustmentParameters& layout);
 
     /// Infinity when a point is behind a camera.
     double cost(const std::vector<double>& values) const;
@@ -80,8 +80,9 @@ class ReducedSystem {
     ObservationEvaluator evaluator_;
     std::vector<Group> groups_;
     std::vector<EliminatedPoint> points_;  // of one batch
+    std::size_t stripes_ = 1;
     std::deque<Prior> priors_;
-    Eigen::MatrixXd system_;                        // its lower triangle
+    TiledMatrix system_;
     Eigen::VectorXd eliminated_;                    // what elimination adds to the gradient
     Eigen::VectorXd gradient_, squares_, damping_;  // of the cameras: J'r, diagonal of J'J, added
 };

@@ -7,10 +7,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "stages/reconstruction/one_blas_thread.h"
+
 namespace psfm {
 namespace {
 
-using Factor = Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
+/// By supernodes: the graph of a cluster is dense, and OpenBLAS is faster than a loop.
+using Factor = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
 
 /// Edges are never let go altogether: the normal matrix stays definite, and an edge that fits after
 /// all comes back.
@@ -36,6 +39,7 @@ double loss_weight(RotationLoss loss, double residual) {
 Result<std::uint32_t> refine_rotations(RotationProblem& problem,
                                        const RotationAveragingOptions& options) {
     if (problem.node_from_reference.size() < 2) return 0U;
+    keep_blas_on_one_thread();
     constexpr double kRadian = std::numbers::pi / 180.0;
     const double scale = options.loss_scale_deg * kRadian;
     const auto edges = static_cast<Eigen::Index>(problem.edges.size());

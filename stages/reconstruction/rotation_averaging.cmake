@@ -4,6 +4,6 @@
 # Included by CMakeLists.txt beside it. A library of its own: merging uses the spanning tree, too.
 psfm_add_library(rotation_averaging
   SOURCES average_rotations.cpp l1_rotation_solver.cpp maximum_spanning_tree.cpp
-          refine_rotations.cpp rotation_problem.cpp start_rotations.cpp
+          one_blas_thread.cpp refine_rotations.cpp rotation_problem.cpp start_rotations.cpp
   PUBLIC psfm::graph
-  PRIVATE SuiteSparse::CHOLMOD)
+  PRIVATE SuiteSparse::CHOLMOD PkgConfig::openblas)

@@ -6,7 +6,14 @@
 #include <cassert>
 #include <limits>
 
+#include "stages/reconstruction/in_parallel.h"
+
 namespace psfm {
+namespace {
+
+constexpr std::size_t kPointsATask = 4096;
+
+}  // namespace
 
 WorkingModel::WorkingModel(const ClusterProblem& problem, const CorrespondenceGraph& matches)
     : problem_(&problem),
@@ -39,31 +46,40 @@ void WorkingModel::append(const Reconstruction& model, const Sim3& cluster_from_
         taken[*local] = true;
         set_pose(*local, transform_pose(image.cam_from_cluster, cluster_from_model));
     }
-    points_.reserve(points_.size() + model.points.size());
+    take_points(model.points, cluster_from_model, taken);
     // The images that are left see so much at once that counting anew is cheaper than following
     // every link.
-    for (const ScenePoint& point : model.points) take_point(point, cluster_from_model, taken);
     for (std::uint32_t image = 0; image < image_count(); ++image) {
         if (!registered(image)) count_visible(image);
     }
 }
 
-void WorkingModel::take_point(const ScenePoint& point, const Sim3& cluster_from_model,
-                              const std::vector<bool>& taken) {
-    std::vector<Feature> track;
-    track.reserve(point.track.size());
-    for (const Observation& observation : point.track) {
-        const auto local = numbers_.find(observation.image);
-        if (local && taken[*local]) track.push_back({*local, observation.feature});
-    }
-    if (track.size() < 2) return;
-    std::ranges::sort(track);
-    for (const Feature& feature : track)
-        point_of_[feature.image][feature.feature] = static_cast<std::uint32_t>(points_.size());
-    const bool whole = track.size() == point.track.size();
-    points_.push_back({cluster_from_model * point.position, std::move(track),
-                       whole ? std::optional(point.error_px) : std::nullopt});
-    ++alive_points_;
+void WorkingModel::take_points(const std::vector<ScenePoint>& points,
+                               const Sim3& cluster_from_model, const std::vector<bool>& taken) {
+    const std::size_t before = points_.size();
+    points_.resize(before + points.size());
+    in_parallel(points.size(), kPointsATask, [&](std::size_t i) {
+        const ScenePoint& point = points[i];
+        Point& loaded = points_[before + i];
+        loaded.track.reserve(point.track.size());
+        for (const Observation& observation : point.track) {
+            const auto local = numbers_.find(observation.image);
+            if (local && taken[*local]) loaded.track.push_back({*local, observation.feature});
+        }
+        std::ranges::sort(loaded.track);
+        loaded.position = cluster_from_model * point.position;
+        if (loaded.track.size() == point.track.size()) loaded.error_px = point.error_px;
+    });
+    const auto first = points_.begin() + static_cast<std::ptrdiff_t>(before);
+    points_.erase(std::remove_if(first, points_.end(),
+                                 [](const Point& point) { return point.track.size() < 2; }),
+                  points_.end());
+    alive_points_ += points_.size() - before;
+    in_parallel(points_.size() - before, kPointsATask, [&](std::size_t i) {
+        const auto point = static_cast<std::uint32_t>(before + i);
+        for (const Feature& feature : points_[point].track)
+            point_of_[feature.image][feature.feature] = point;
+    });
 }
 
 double WorkingModel::mean_error(const Point& point) const {
@@ -80,17 +96,21 @@ Reconstruction WorkingModel::save() const {
         model.images.push_back({image_id(image), camera_id(image), pose(image)});
         model.cameras[camera_id(image)] = camera(image);
     }
-    model.points.reserve(alive_points_);
+    std::vector<const Point*> alive;
+    alive.reserve(alive_points_);
     for (const Point& point : points_) {
-        if (!point.alive()) continue;
-        ScenePoint saved;
+        if (point.alive()) alive.push_back(&point);
+    }
+    model.points.resize(alive.size());
+    in_parallel(alive.size(), kPointsATask, [&](std::size_t i) {
+        const Point& point = *alive[i];
+        ScenePoint& saved = model.points[i];
         saved.position = point.position;
         saved.track.reserve(point.track.size());
         for (const Feature& feature : point.track)
             saved.track.push_back({image_id(feature.image), feature.feature});
         saved.error_px = point.error_px ? *point.error_px : static_cast<float>(mean_error(point));
-        model.points.push_back(std::move(saved));
-    }
+    });
     return model;
 }
 

@@ -109,8 +109,8 @@ class WorkingModel {
     }
 
   private:
-    void take_point(const ScenePoint& point, const Sim3& cluster_from_model,
-                    const std::vector<bool>& taken);
+    void take_points(const std::vector<ScenePoint>& points, const Sim3& cluster_from_model,
+                     const std::vector<bool>& taken);
     double mean_error(const Point& point) const;
     void link(const Feature& feature, std::uint32_t point);
     void unlink(const Feature& feature);

@@ -15,14 +15,14 @@
 namespace psfm {
 namespace {
 
-void adjust_ring(benchmark::State& state, std::uint32_t max_reduced_columns) {
+void adjust_ring(benchmark::State& state, std::uint32_t max_reduced_mib) {
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     const auto scene = synthetic::add_pixel_noise(
         synthetic::make_scene(
             synthetic::ring_around_sphere(static_cast<std::uint32_t>(state.range(0))), 3),
         0.5, 4);
     AdjustmentOptions options;
-    options.max_reduced_columns = max_reduced_columns;
+    options.max_reduced_mib = max_reduced_mib;
     AdjustmentReport report;
     for (auto _ : state) {
         state.PauseTiming();
@@ -45,7 +45,7 @@ void BM_AdjustWithCeres(benchmark::State& state) {
     adjust_ring(state, 0);
 }
 void BM_AdjustReduced(benchmark::State& state) {
-    adjust_ring(state, AdjustmentOptions{}.max_reduced_columns);
+    adjust_ring(state, AdjustmentOptions{}.max_reduced_mib);
 }
 BENCHMARK(BM_AdjustWithCeres)->ArgName("images")->Arg(12)->Arg(100)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_AdjustReduced)->ArgName("images")->Arg(12)->Arg(100)->Unit(benchmark::kMillisecond);

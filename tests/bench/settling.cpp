@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// settling SESSION REFERENCE [POINTS_PER_IMAGE [MAX_REDUCED_COLUMNS]]
+// settling SESSION REFERENCE [POINTS_PER_IMAGE [MAX_REDUCED_MIB]]
 //
 // Adjusts the largest model of a finished session once more to its end, as a session does after its
 // last image, and says what that takes: seconds, memory before and at most, and the distance from
-// the reference (a COLMAP model) before and after. MAX_REDUCED_COLUMNS 0: with Ceres. The figures
+// the reference (a COLMAP model) before and after. MAX_REDUCED_MIB 0: with Ceres. The figures
 // in docs/performance.md, "Memory".
 #include <sys/resource.h>
 
@@ -66,13 +66,13 @@ void measure(const std::string& folder, const std::string& reference,
 
 int main(int argc, char** argv) {
     if (argc < 3 || argc > 5) {
-        std::cerr << "usage: settling SESSION REFERENCE [POINTS_PER_IMAGE [MAX_REDUCED_COLUMNS]]\n";
+        std::cerr << "usage: settling SESSION REFERENCE [POINTS_PER_IMAGE [MAX_REDUCED_MIB]]\n";
         return 2;
     }
     psfm::RefinementOptions settling = psfm::SolveOptions{}.settling;
     if (argc > 3) settling.points_per_image = static_cast<std::uint32_t>(std::stoul(argv[3]));
     if (argc > 4)
-        settling.adjustment.max_reduced_columns = static_cast<std::uint32_t>(std::stoul(argv[4]));
+        settling.adjustment.max_reduced_mib = static_cast<std::uint32_t>(std::stoul(argv[4]));
     psfm::bench::measure(argv[1], argv[2], settling);
     return 0;
 }

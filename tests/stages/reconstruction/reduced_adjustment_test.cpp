@@ -5,11 +5,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <Eigen/Cholesky>
 #include <memory>
-#include <random>
 
-#include "stages/reconstruction/dense_cholesky.h"
 #include "tests/stages/reconstruction/scene_model.h"
 #include "tests/synthetic/disturb.h"
 
@@ -18,9 +15,9 @@ namespace {
 
 /// The model of a ring of cameras, its truth disturbed alike each time.
 struct DisturbedRing : SceneModel {
-    DisturbedRing()
+    explicit DisturbedRing(std::uint32_t images = 16)
         : SceneModel(synthetic::add_pixel_noise(
-              synthetic::make_scene(synthetic::ring_around_sphere(16), 3), 0.5, 4)) {
+              synthetic::make_scene(synthetic::ring_around_sphere(images), 3), 0.5, 4)) {
         disturb(0.01, 7);
     }
 
@@ -35,7 +32,7 @@ AdjustmentOptions precise(bool reduced) {
     AdjustmentOptions options;
     options.function_tolerance = 1e-14;
     options.max_iterations = 100;
-    if (!reduced) options.max_reduced_columns = 0;
+    if (!reduced) options.max_reduced_mib = 0;
     return options;
 }
 
@@ -71,6 +68,16 @@ TEST(AdjustReduced, EndsWhereCeresEnds) {
         EXPECT_LT(reduced->rms_after_px, 0.3 * reduced->rms_before_px);
         EXPECT_LT(difference(*ours.model, *ceres.model), 1e-4) << free_intrinsics;
     }
+}
+
+TEST(AdjustReduced, ManyImagesAreEliminatedInAnotherOrderToTheSameEnd) {
+    const DisturbedRing ours(130), ceres(130);
+    const auto reduced = adjust(*ours.model, ours.scope(true), precise(true));
+    const auto whole = adjust(*ceres.model, ceres.scope(true), precise(false));
+    ASSERT_TRUE(reduced.ok() && whole.ok());
+    EXPECT_NEAR(reduced->rms_before_px, whole->rms_before_px, 1e-9);
+    EXPECT_NEAR(reduced->rms_after_px, whole->rms_after_px, 1e-7);
+    EXPECT_LT(difference(*ours.model, *ceres.model), 1e-4);
 }
 
 TEST(AdjustReduced, PartOfAModelIsAdjustedLikewise) {
@@ -124,34 +131,6 @@ TEST(AdjustReduced, APointBehindACameraIsLeftOutAsInCeres) {
     for (const WorkingModel::Point& point : ours.model->points())
         observations += point.track.size();
     EXPECT_LT(reduced->residuals, observations);
-}
-
-TEST(DenseCholesky, SolvesLikeEigen) {
-    std::mt19937_64 rng(11);
-    std::normal_distribution<double> normal;
-    for (const Eigen::Index size : {1, 127, 128, 129, 700}) {
-        Eigen::MatrixXd root(size, size);
-        Eigen::VectorXd right(size);
-        for (double& value : root.reshaped()) value = normal(rng);
-        for (double& value : right) value = normal(rng);
-        Eigen::MatrixXd matrix = root * root.transpose();
-        matrix.diagonal().array() += 1.0;
-        const Eigen::VectorXd expected = matrix.llt().solve(right);
-        Eigen::MatrixXd factor = matrix;
-        factor.triangularView<Eigen::StrictlyUpper>().setConstant(1e9);  // is not looked at
-        ASSERT_TRUE(factorize_cholesky(factor)) << size;
-        Eigen::VectorXd solution = right;
-        solve_cholesky(factor, solution);
-        EXPECT_LT((solution - expected).norm(), 1e-8 * expected.norm()) << size;
-    }
-}
-
-TEST(DenseCholesky, RefusesWhatIsNotPositiveDefinite) {
-    for (const Eigen::Index size : {1, 200}) {
-        Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(size, size);
-        matrix(size - 1, size - 1) = -1.0;
-        EXPECT_FALSE(factorize_cholesky(matrix)) << size;
-    }
 }
 
 }  // namespace
