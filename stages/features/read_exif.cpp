@@ -78,8 +78,8 @@ std::string text(const Exiv2::ExifData& data, const char* key) {
 std::optional<double> focal_plane_resolution(const Exiv2::ExifData& data, const char* key) {
     const std::optional<double> resolution = positive(data, key);
     if (!resolution) return std::nullopt;
-    // 1 means "none" and 2 inch; 4 and 5 are not in the standard, but cameras write them. It stays a
-    // double: what claims to be a unit may be no int at all.
+    // 1 means "none" and 2 inch; 4 and 5 are not in the standard, but cameras write them. It stays
+    // a double: what claims to be a unit may be no int at all.
     const double unit = number(data, "Exif.Photo.FocalPlaneResolutionUnit").value_or(2.0);
     if (unit == 3.0) return *resolution / 10.0;
     if (unit == 4.0) return *resolution;
