@@ -82,7 +82,7 @@ std::optional<double> focal_plane_resolution(const Exiv2::ExifData& data, const 
     // a double: what claims to be a unit may be no int at all.
     const double unit = number(data, "Exif.Photo.FocalPlaneResolutionUnit").value_or(2.0);
     if (unit == 3.0) return *resolution / 10.0;
-    if (unit == 4.0) return *resolution;
+    if (unit == 4.0) return resolution;
     if (unit == 5.0) return *resolution * 1000.0;
     return *resolution / 25.4;
 }

@@ -128,13 +128,13 @@ Sim3 world_from_component(std::span<const PlacedImage> images,
     std::vector<Match> matches;
     std::vector<Eigen::Vector3d> before;
     const std::size_t stride = stride_over(images.size());
-    for (std::size_t k = 0; k < images.size(); ++k) {
-        const auto found = published.find(images[k].image);
+    for (const PlacedImage& image : images) {
+        const auto found = published.find(image.image);
         if (found == published.end()) continue;
         before.push_back(found->second.target_origin_in_source());
         if ((before.size() - 1) % stride != 0) continue;
-        matches.push_back({images[k].cam_from_component, found->second,
-                           images[k].cam_from_component.target_origin_in_source(), before.back()});
+        matches.push_back({image.cam_from_component, found->second,
+                           image.cam_from_component.target_origin_in_source(), before.back()});
     }
     if (matches.empty()) return fallback;
     const double spacing = median_neighbor_distance(before);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kFewImages = 100;
 
-using Graph = Eigen::SparseMatrix<double>;  // column by column, ascending; of which values are not used
+using Graph =
+    Eigen::SparseMatrix<double>;  // column by column, ascending; of which values are not used
 
 /// For each image, the points that it sees: ends[i - 1] to ends[i] of `points`.
 struct PointsByImage {

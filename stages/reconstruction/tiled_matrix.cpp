@@ -127,7 +127,8 @@ bool TiledMatrix::factorize() {
         const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(in_place);
         if (factor.info() != Eigen::Success) return false;
         const std::vector<std::uint32_t>& below = below_[column];
-        in_parallel(below.size(), [&](std::size_t i) { solve_rows(corner, tile(below[i], column)); });
+        in_parallel(below.size(),
+                    [&](std::size_t i) { solve_rows(corner, tile(below[i], column)); });
         in_parallel(below.size() * below.size(), [&](std::size_t pair) {
             const std::uint32_t low = below[pair / below.size()];
             const std::uint32_t left = below[pair % below.size()];

@@ -62,8 +62,8 @@ class TiledMatrix {
         const std::uint32_t left = pattern_.tile_of(column);
         const auto stride = static_cast<Eigen::Index>(height(low));
         double* tile = &values_[offsets_[TilePattern::place(low, left)]];
-        const std::size_t within = (column - pattern_.first_of(left)) * height(low) +
-                                   (row - pattern_.first_of(low));
+        const std::size_t within =
+            (column - pattern_.first_of(left)) * height(low) + (row - pattern_.first_of(low));
         return {tile + within, rows, columns, Eigen::OuterStride<>(stride)};
     }
     double& at(std::size_t row, std::size_t column) { return part<1, 1>(row, column)(0, 0); }

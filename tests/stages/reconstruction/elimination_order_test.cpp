@@ -39,7 +39,8 @@ std::vector<std::uint32_t> all_images() {
 }
 
 /// Memory of the factorised system of a street when images are eliminated in this order.
-std::size_t bytes_of(const std::vector<std::uint32_t>& order, const AdjustmentSelection& selection) {
+std::size_t bytes_of(const std::vector<std::uint32_t>& order,
+                     const AdjustmentSelection& selection) {
     std::vector<std::size_t> starts(order.size());
     std::vector<std::size_t> column(kImages);
     for (std::size_t i = 0; i < order.size(); ++i) starts[i] = column[order[i]] = 6 * i;

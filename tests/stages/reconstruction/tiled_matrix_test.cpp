@@ -51,8 +51,8 @@ struct PathMatrix {
         TiledMatrix matrix(pattern);
         for (std::size_t row = 0; row < pattern.columns(); ++row) {
             for (std::size_t column = 0; column <= row; ++column) {
-                const double value = dense(static_cast<Eigen::Index>(row),
-                                           static_cast<Eigen::Index>(column));
+                const double value =
+                    dense(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
                 if (value != 0.0) matrix.at(row, column) = value;
             }
         }
