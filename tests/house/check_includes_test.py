@@ -46,6 +46,16 @@ class CheckIncludes(unittest.TestCase):
         code, output = self.run_check()
         self.assertEqual(code, 0, output)
 
+    def test_python_parses(self):
+        head = SPDX.replace("//", "#")
+        broken = "def main():\n    if True:\n    return 1\n"
+        self.assert_found("tools/bench/a.py", broken, "is no Python", head)
+        (self.root / "tools/bench/a.py").unlink()
+        self.assert_found("tools/fuzz", broken, "is no Python", "#!/usr/bin/env python3\n" + head)
+        self.write("tools/fuzz", "def main():\n    return 1\n", "#!/usr/bin/env python3\n" + head)
+        self.write("tools/test", "if; then\n", "#!/usr/bin/env bash\n" + head)
+        self.assertEqual(self.run_check()[0], 0)
+
     def test_graph_includes_nobody(self):
         self.assert_found("graph/a.cpp", '#include "storage/store.h"\n', "may not include storage/")
 
