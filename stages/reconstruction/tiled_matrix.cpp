@@ -91,6 +91,7 @@ std::size_t TilePattern::bytes() const {
 }
 
 TiledMatrix::TiledMatrix(TilePattern pattern) : pattern_(std::move(pattern)) {
+    pattern_.fill();
     offsets_.resize(TilePattern::place(pattern_.tiles(), 0), 0);
     below_.resize(pattern_.tiles());
     std::size_t size = 0;

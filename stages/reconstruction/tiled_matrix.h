@@ -48,7 +48,7 @@ class TilePattern {
 class TiledMatrix {
   public:
     TiledMatrix() = default;
-    /// Zero. REQUIRES: the pattern has been filled
+    /// Zero, with room for what factorisation fills.
     explicit TiledMatrix(TilePattern pattern);
 
     template <int kRows, int kColumns>

@@ -80,6 +80,24 @@ TEST(AdjustReduced, ManyImagesAreEliminatedInAnotherOrderToTheSameEnd) {
     EXPECT_LT(difference(*ours.model, *ceres.model), 1e-4);
 }
 
+TEST(AdjustReduced, APathLeavesTilesEmptyAndEndsWhereCeresEnds) {
+    struct Path : SceneModel {
+        Path() : SceneModel(synthetic::make_scene(synthetic::line_along_wall(250), 3)) {
+            disturb(0.003, 7);
+        }
+    };
+    const Path ours, ceres;
+    const AdjustmentScope scope = full_scope(*ours.model, false);
+    AdjustmentOptions few = precise(true);
+    AdjustmentOptions few_with_ceres = precise(false);
+    few.max_iterations = few_with_ceres.max_iterations = 5;
+    const auto reduced = adjust(*ours.model, scope, few);
+    const auto whole = adjust(*ceres.model, scope, few_with_ceres);
+    ASSERT_TRUE(reduced.ok() && whole.ok());
+    EXPECT_LT(reduced->rms_after_px, 0.3 * reduced->rms_before_px);
+    EXPECT_NEAR(reduced->rms_after_px, whole->rms_after_px, 1e-3 * whole->rms_before_px);
+}
+
 TEST(AdjustReduced, PartOfAModelIsAdjustedLikewise) {
     const DisturbedRing ours, ceres;
     const std::uint32_t image = 3;

@@ -101,6 +101,27 @@ TEST(TiledMatrix, AFactorisationFillsWhatItNeeds) {
     }
 }
 
+TEST(TiledMatrix, HasRoomForWhatItsFactorisationFills) {
+    constexpr Eigen::Index kSize = 1200;
+    TilePattern pattern(PathMatrix::starts_of(200), kSize);
+    for (std::uint32_t tile = 1; tile < pattern.tiles(); ++tile)
+        pattern.couple(std::vector<std::uint32_t>{0, tile});
+    TiledMatrix matrix(pattern);
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(kSize, kSize) * 2000.0;
+    dense.col(0).setOnes();
+    dense.row(0).setOnes();
+    dense(0, 0) = 2000.0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kSize); ++i) {
+        matrix.at(i, 0) = 1.0;
+        matrix.at(i, i) = 2000.0;
+    }
+    ASSERT_TRUE(matrix.factorize());
+    Eigen::VectorXd solution = Eigen::VectorXd::LinSpaced(kSize, 1.0, 2.0);
+    const Eigen::VectorXd expected = dense.llt().solve(solution);
+    matrix.solve(solution);
+    EXPECT_LT((solution - expected).norm(), 1e-12 * expected.norm());
+}
+
 TEST(TiledMatrix, TilesCutNoBlock) {
     // Poses of six columns, then intrinsics of three.
     std::vector<std::size_t> starts = PathMatrix::starts_of(100);
