@@ -62,6 +62,8 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         {state_.counts, waiting_images(state_, options_.solve.mu_min), state_.past_events});
     if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok()) return done;
     state_.constraints = merged.constraints;
+    state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
+                              merged.set_aside.end());
     state_.scene = scene;
     PublishMessage publish;
     publish.scene = scene;

@@ -49,7 +49,7 @@ struct SessionState {
     EdgeSelection edges;  ///< which pairs the view graph holds
     ClusteringState clustering;
     ClusterTable clusters;
-    std::vector<ClusterConstraint> constraints;  ///< of the published version
+    std::vector<ClusterConstraint> constraints;  ///< MergeProblem::known of the next version
     ScenePtr scene = std::make_shared<const Scene>();
     SessionCounts counts;
     /// The last joins, splits, transfers and resets, oldest first; at most kPastEvents.

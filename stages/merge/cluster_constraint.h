@@ -4,6 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "graph/ids.h"
 #include "graph/sim3.h"
@@ -20,6 +23,17 @@ enum class ConstraintVerdict : std::uint8_t {
 };
 const char* describe(ConstraintVerdict verdict);
 
+/// What a constraint was estimated from: an estimate from the same views and points is the same,
+/// and need not be made again where only other parts of the clusters have changed (not persistent).
+struct ConstraintBasis {
+    struct Edge {
+        std::uint64_t geometry_hash = 0;  ///< of its correspondences
+        std::optional<Sim3> b_from_a;     ///< by RANSAC; none: too few of its points agree
+    };
+    std::vector<Edge> edges;              ///< those tried, ascending by hash
+    std::vector<std::uint64_t> accepted;  ///< hashes of the accepted ones, strongest first
+};
+
 /// The outcome of estimating the similarity between two clusters, at given revisions of their
 /// models.
 struct ClusterConstraint {
@@ -32,7 +46,9 @@ struct ClusterConstraint {
     std::uint32_t edges_tried = 0;  ///< those with enough correspondences
     std::uint32_t edges_accepted =
         0;  ///< those that passed RANSAC and the neighbourhood similarity
+    std::uint32_t edges_estimated = 0;  ///< those tried for which RANSAC was run this time
     ConstraintVerdict verdict = ConstraintVerdict::kNoEdges;
+    std::shared_ptr<const ConstraintBasis> basis;  ///< null without edges tried
 
     // Meaningful only when accepted:
     /// The pose graph rests on it; false when it contradicts the others. Set by each merge anew.

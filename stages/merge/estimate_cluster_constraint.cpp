@@ -53,20 +53,49 @@ bool enough_inliers(const Sim3Support& support, std::size_t correspondences, std
            static_cast<double>(support.inliers) >= ratio * static_cast<double>(correspondences);
 }
 
-/// What one edge says of the clusters.
-struct EdgeOpinion {
-    std::optional<Sim3> b_from_a;  ///< none: too few of its points agree
-    bool interleaves = false;
-};
-
-EdgeOpinion opinion_of(const EdgeCorrespondences& edge, const ClusterIndex& a,
-                       const ClusterIndex& b, const ClusterConstraintOptions& options) {
+/// What an edge says of the clusters: nothing if too few of its points agree.
+std::optional<Sim3> similarity_of(const EdgeCorrespondences& edge,
+                                  const ClusterConstraintOptions& options) {
     const auto found = estimate_sim3_ransac(std::span(&edge, 1), {}, options, edge.hash);
     if (!found || !enough_inliers(found->support, edge.points.size(), options.min_edge_inliers,
                                   options.min_inlier_ratio)) {
-        return {};
+        return std::nullopt;
     }
-    return {found->b_from_a, interleaves(a, b, found->b_from_a, options)};
+    return found->b_from_a;
+}
+
+/// An edge as it was when the constraint was estimated before; null if it was not, or has changed.
+const ConstraintBasis::Edge* find_edge(const ConstraintBasis* basis, std::uint64_t geometry_hash) {
+    if (basis == nullptr) return nullptr;
+    const auto found = std::ranges::lower_bound(basis->edges, geometry_hash, {},
+                                                &ConstraintBasis::Edge::geometry_hash);
+    return found != basis->edges.end() && found->geometry_hash == geometry_hash ? &*found : nullptr;
+}
+
+/// What one edge says, and whether that keeps the clusters' cameras apart.
+struct EdgeOpinion {
+    std::optional<Sim3> b_from_a;
+    bool interleaves = false;
+    bool is_new = false;  ///< not taken over
+};
+
+std::vector<EdgeOpinion> opinions_of(std::span<const EdgeCorrespondences> edges,
+                                     const ClusterIndex& a, const ClusterIndex& b,
+                                     const ConstraintBasis* basis,
+                                     const ClusterConstraintOptions& options) {
+    std::vector<EdgeOpinion> opinions(edges.size());
+    // Isolated: a version is not to wait for a solve that this thread takes up in between.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t e) {
+            EdgeOpinion& opinion = opinions[e];
+            const ConstraintBasis::Edge* known = find_edge(basis, edges[e].geometry_hash);
+            opinion.is_new = known == nullptr;
+            opinion.b_from_a =
+                known != nullptr ? known->b_from_a : similarity_of(edges[e], options);
+            opinion.interleaves = opinion.b_from_a && interleaves(a, b, *opinion.b_from_a, options);
+        });
+    });
+    return opinions;
 }
 
 void locate(ClusterConstraint& constraint, std::span<const EdgeCorrespondences> edges,
@@ -89,48 +118,21 @@ void locate(ClusterConstraint& constraint, std::span<const EdgeCorrespondences> 
     constraint.extent_in_a = std::sqrt(squares / static_cast<double>(inliers.size()));
 }
 
-}  // namespace
-
-ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const ClusterIndex& b,
-                                              std::span<const VerifiedPairPtr> pairs,
-                                              const ClusterConstraintOptions& options) {
-    ClusterConstraint constraint;
-    std::vector<EdgeCorrespondences> edges = strongest_edges(a, b, pairs, options);
-    constraint.edges_tried = static_cast<std::uint32_t>(edges.size());
-    if (edges.empty()) return constraint;
-
-    std::vector<EdgeOpinion> opinions(edges.size());
-    // Isolated: a version is not to wait for a solve that this thread takes up in between.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t e) {
-            opinions[e] = opinion_of(edges[e], a, b, options);
-        });
-    });
-    std::vector<EdgeCorrespondences> surviving;
-    std::vector<Sim3> candidates;
+/// The similarity that most correspondences of the accepted edges agree with.
+void estimate_from_accepted(ClusterConstraint& constraint,
+                            std::span<const EdgeCorrespondences> edges,
+                            std::span<const Sim3> candidates,
+                            const ClusterConstraintOptions& options) {
     std::uint64_t seed = 0;
-    constraint.verdict = ConstraintVerdict::kNoSimilarity;
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-        if (!opinions[e].b_from_a) continue;
-        if (opinions[e].interleaves) {
-            constraint.verdict = ConstraintVerdict::kInterleaved;
-            continue;
-        }
-        if (candidates.size() < kCandidates) candidates.push_back(*opinions[e].b_from_a);
-        seed += edges[e].hash;
-        surviving.push_back(std::move(edges[e]));
-    }
-    if (surviving.empty()) return constraint;
-
-    constraint.edges_accepted = static_cast<std::uint32_t>(surviving.size());
-    for (const EdgeCorrespondences& edge : surviving) {
+    for (const EdgeCorrespondences& edge : edges) {
         constraint.correspondences += static_cast<std::uint32_t>(edge.points.size());
+        seed += edge.hash;
     }
     constraint.verdict = ConstraintVerdict::kInconsistent;
-    const auto found = estimate_sim3_ransac(surviving, candidates, options, seed);
-    if (!found) return constraint;
-    constraint.b_from_a = refine_sim3(surviving, found->b_from_a, options.max_error);
-    Sim3Support support = support_of(surviving, constraint.b_from_a, options.max_error);
+    const auto found = estimate_sim3_ransac(edges, candidates, options, seed);
+    if (!found) return;
+    constraint.b_from_a = refine_sim3(edges, found->b_from_a, options.max_error);
+    Sim3Support support = support_of(edges, constraint.b_from_a, options.max_error);
     if (support.cost > found->support.cost) {
         constraint.b_from_a = found->b_from_a;
         support = found->support;
@@ -138,10 +140,62 @@ ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const Clust
     constraint.inliers = support.inliers;
     if (!enough_inliers(support, constraint.correspondences, options.min_pair_inliers,
                         options.min_inlier_ratio)) {
-        return constraint;
+        return;
     }
-    locate(constraint, surviving, options.max_error);
+    locate(constraint, edges, options.max_error);
     if (constraint.extent_in_a > 0.0) constraint.verdict = ConstraintVerdict::kAccepted;
+}
+
+/// What depends on the accepted edges alone.
+void take_over(ClusterConstraint& constraint, const ClusterConstraint& before) {
+    constraint.verdict = before.verdict;
+    constraint.b_from_a = before.b_from_a;
+    constraint.correspondences = before.correspondences;
+    constraint.inliers = before.inliers;
+    constraint.anchor_in_a = before.anchor_in_a;
+    constraint.extent_in_a = before.extent_in_a;
+}
+
+}  // namespace
+
+ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const ClusterIndex& b,
+                                              std::span<const VerifiedPairPtr> pairs,
+                                              const ClusterConstraintOptions& options,
+                                              const ClusterConstraint* before) {
+    ClusterConstraint constraint;
+    std::vector<EdgeCorrespondences> edges = strongest_edges(a, b, pairs, options);
+    constraint.edges_tried = static_cast<std::uint32_t>(edges.size());
+    if (edges.empty()) return constraint;
+
+    const ConstraintBasis* known = before != nullptr ? before->basis.get() : nullptr;
+    const std::vector<EdgeOpinion> opinions = opinions_of(edges, a, b, known, options);
+    auto basis = std::make_shared<ConstraintBasis>();
+    std::vector<EdgeCorrespondences> accepted;
+    std::vector<Sim3> candidates;
+    constraint.verdict = ConstraintVerdict::kNoSimilarity;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        const EdgeOpinion& opinion = opinions[e];
+        basis->edges.push_back({edges[e].geometry_hash, opinion.b_from_a});
+        constraint.edges_estimated += opinion.is_new ? 1 : 0;
+        if (!opinion.b_from_a) continue;
+        if (opinion.interleaves) {
+            constraint.verdict = ConstraintVerdict::kInterleaved;
+            continue;
+        }
+        if (candidates.size() < kCandidates) candidates.push_back(*opinion.b_from_a);
+        basis->accepted.push_back(edges[e].geometry_hash);
+        accepted.push_back(std::move(edges[e]));
+    }
+    constraint.edges_accepted = static_cast<std::uint32_t>(accepted.size());
+    std::ranges::sort(basis->edges, {}, &ConstraintBasis::Edge::geometry_hash);
+    if (!accepted.empty()) {
+        if (known != nullptr && known->accepted == basis->accepted) {
+            take_over(constraint, *before);
+        } else {
+            estimate_from_accepted(constraint, accepted, candidates, options);
+        }
+    }
+    constraint.basis = std::move(basis);
     return constraint;
 }
 

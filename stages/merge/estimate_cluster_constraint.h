@@ -15,10 +15,14 @@ namespace psfm {
 /// each edge gives one by RANSAC, and is an outlier if too few of its points agree or the
 /// neighbourhood similarity is below lambda_s; the final one is estimated from all correspondences
 /// of the edges that are left.
+/// @param before  an earlier constraint of the same clusters by the same options, of which what
+///                rests on the same views and points is taken over; may be null, for the same
+///                result
 /// @return verdict and numbers; ids and revisions are the caller's to fill in
 /// Deterministic: seeds come from the edges' matches. Thread-safe; edges in parallel (TBB).
 ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const ClusterIndex& b,
                                               std::span<const VerifiedPairPtr> edges,
-                                              const ClusterConstraintOptions& options);
+                                              const ClusterConstraintOptions& options,
+                                              const ClusterConstraint* before = nullptr);
 
 }  // namespace psfm

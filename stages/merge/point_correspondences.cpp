@@ -3,6 +3,7 @@
 #include "stages/merge/point_correspondences.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <optional>
 
@@ -15,6 +16,36 @@ std::uint64_t mixed(std::uint64_t value) {
     value = (value ^ (value >> 30U)) * 0xBF58476D1CE4E5B9ULL;
     value = (value ^ (value >> 27U)) * 0x94D049BB133111EBULL;
     return value ^ (value >> 31U);
+}
+
+class GeometryHash {
+  public:
+    explicit GeometryHash(std::uint64_t matches) : value_(matches) {}
+
+    void add(double value) { value_ = mixed(value_ ^ std::bit_cast<std::uint64_t>(value)); }
+    void add(const Eigen::Vector3d& vector) {
+        for (const double value : vector) add(value);
+    }
+    void add(const View& view) {
+        for (const double value : view.cam_from_cluster.rotation.coeffs()) add(value);
+        add(view.cam_from_cluster.translation);
+        add(view.focal);
+    }
+    std::uint64_t value() const { return value_; }
+
+  private:
+    std::uint64_t value_;
+};
+
+std::uint64_t geometry_hash_of(const EdgeCorrespondences& edge) {
+    GeometryHash hash(edge.hash);
+    hash.add(edge.view_a);
+    hash.add(edge.view_b);
+    for (const PointCorrespondence& point : edge.points) {
+        hash.add(point.in_a);
+        hash.add(point.in_b);
+    }
+    return hash.value();
 }
 
 View view_of(const Reconstruction& model, const RegisteredImage& image) {
@@ -63,6 +94,7 @@ EdgeCorrespondences collect_correspondences(const VerifiedPair& edge, const Clus
         const auto [low, high] = std::minmax(match.first, match.second);
         result.hash += mixed((static_cast<std::uint64_t>(low) << 32U) | high);
     }
+    result.geometry_hash = geometry_hash_of(result);
     return result;
 }
 

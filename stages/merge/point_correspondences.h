@@ -35,7 +35,8 @@ struct EdgeCorrespondences {
     View view_a;
     View view_b;
     std::vector<PointCorrespondence> points;
-    std::uint64_t hash = 0;  ///< of the matches; does not depend on which image came first
+    std::uint64_t hash = 0;           ///< of the matches; does not depend on which image came first
+    std::uint64_t geometry_hash = 0;  ///< of the matches, the views and the points, to the bit
 };
 
 /// Correspondences of a verified pair whose images are in models a and b, either way round; no

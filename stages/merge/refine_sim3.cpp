@@ -15,10 +15,20 @@ namespace {
 /// Quaternion x y z w, translation, log scale of b_from_a.
 using Parameters = std::array<double, 8>;
 
+/// Where a view sees a point [longer image sides].
+template <typename T>
+Eigen::Matrix<T, 2, 1> projected(const View& view, const Eigen::Matrix<T, 3, 1>& in_cam) {
+    return view.focal * in_cam.template head<2>() / in_cam[2];
+}
+
 class ProjectionDistance {
   public:
     ProjectionDistance(const EdgeCorrespondences& edge, const PointCorrespondence& point)
-        : view_a_(&edge.view_a), view_b_(&edge.view_b), point_(&point) {}
+        : view_a_(&edge.view_a),
+          view_b_(&edge.view_b),
+          point_(&point),
+          seen_in_a_(projected<double>(edge.view_a, edge.view_a.cam_from_cluster * point.in_a)),
+          seen_in_b_(projected<double>(edge.view_b, edge.view_b.cam_from_cluster * point.in_b)) {}
 
     template <typename T>
     bool operator()(const T* rotation, const T* shift_and_scale, T* residuals) const {
@@ -26,31 +36,30 @@ class ProjectionDistance {
         const Eigen::Map<const Eigen::Quaternion<T>> b_from_a(rotation);
         const Eigen::Map<const Vector3> translation(shift_and_scale);
         const T scale = exp(shift_and_scale[3]);
-        const Vector3 in_a = point_->in_a.cast<T>();
-        const Vector3 in_b = point_->in_b.cast<T>();
-        const Vector3 a_in_b = scale * (b_from_a * in_a) + translation;
-        const Vector3 b_in_a = b_from_a.conjugate() * (in_b - translation) / scale;
-        return distance(*view_a_, in_a, b_in_a, residuals) &&
-               distance(*view_b_, in_b, a_in_b, residuals + 2);
+        const Vector3 a_in_b = scale * (b_from_a * point_->in_a.cast<T>()) + translation;
+        const Vector3 b_in_a =
+            b_from_a.conjugate() * (point_->in_b.cast<T>() - translation) / scale;
+        return distance(*view_a_, seen_in_a_, b_in_a, residuals) &&
+               distance(*view_b_, seen_in_b_, a_in_b, residuals + 2);
     }
 
   private:
     template <typename T>
-    static bool distance(const View& view, const Eigen::Matrix<T, 3, 1>& own,
+    static bool distance(const View& view, const Eigen::Vector2d& seen,
                          const Eigen::Matrix<T, 3, 1>& other, T* residuals) {
-        const Eigen::Quaternion<T> rotation = view.cam_from_cluster.rotation.cast<T>();
-        const Eigen::Matrix<T, 3, 1> translation = view.cam_from_cluster.translation.cast<T>();
-        const Eigen::Matrix<T, 3, 1> p = rotation * own + translation;
-        const Eigen::Matrix<T, 3, 1> q = rotation * other + translation;
-        if (!(q[2] > T(0.0))) return false;
-        residuals[0] = view.focal * (q[0] / q[2] - p[0] / p[2]);
-        residuals[1] = view.focal * (q[1] / q[2] - p[1] / p[2]);
+        const Rigid3& pose = view.cam_from_cluster;
+        const Eigen::Matrix<T, 3, 1> in_cam =
+            pose.rotation.cast<T>() * other + pose.translation.cast<T>();
+        if (!(in_cam[2] > T(0.0))) return false;
+        Eigen::Map<Eigen::Matrix<T, 2, 1>>{residuals} = projected<T>(view, in_cam) - seen.cast<T>();
         return true;
     }
 
     const View* view_a_;
     const View* view_b_;
     const PointCorrespondence* point_;
+    Eigen::Vector2d seen_in_a_;
+    Eigen::Vector2d seen_in_b_;
 };
 
 }  // namespace
@@ -84,7 +93,8 @@ Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_
         // Seven unknowns, and up to tens of thousands of residuals.
         options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
         options.max_num_iterations = 50;
-        options.function_tolerance = 1e-12;
+        // The last digits of the cost take half of the iterations, and move nothing.
+        options.function_tolerance = 1e-9;
         options.parameter_tolerance = 1e-12;
         options.gradient_tolerance = 1e-14;
         options.num_threads = 1;

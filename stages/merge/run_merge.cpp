@@ -70,12 +70,13 @@ std::uint64_t hash_of(const std::vector<VerifiedPairPtr>& edges) {
     return sum;
 }
 
-/// A pair of clusters with models, and its constraint when it is known already.
+/// A pair of clusters with models, and its constraint: when it is known already, as it is.
 struct PairTask {
     const ClusterPairEdges* edges = nullptr;
     const MergeCluster* a = nullptr;
     const MergeCluster* b = nullptr;
     ClusterConstraint constraint;
+    const ClusterConstraint* before = nullptr;  ///< of earlier revisions; null: there is none
     bool known = false;
 };
 
@@ -86,17 +87,21 @@ std::vector<PairTask> list_pairs(const MergeProblem& problem) {
     }
     std::vector<PairTask> tasks;
     for (const ClusterPairEdges& pair : problem.pairs) {
-        PairTask task{
-            &pair, find_cluster(problem, pair.a), find_cluster(problem, pair.b), {}, false};
+        PairTask task;
+        task.edges = &pair;
+        task.a = find_cluster(problem, pair.a);
+        task.b = find_cluster(problem, pair.b);
         if (!has_model(*task.a) || !has_model(*task.b)) continue;
         const std::uint64_t hash = hash_of(pair.edges);
         const auto found = known.find({pair.a, pair.b});
-        if (found != known.end() && found->second->revision_a == task.a->revision &&
-            found->second->revision_b == task.b->revision &&
-            found->second->edges_given == pair.edges.size() && found->second->edges_hash == hash) {
-            task.constraint = *found->second;
-            task.known = true;
+        if (found != known.end()) {
+            task.before = found->second;
+            task.known = task.before->revision_a == task.a->revision &&
+                         task.before->revision_b == task.b->revision &&
+                         task.before->edges_given == pair.edges.size() &&
+                         task.before->edges_hash == hash;
         }
+        if (task.known) task.constraint = *task.before;
         task.constraint.edges_hash = hash;
         tasks.push_back(std::move(task));
     }
@@ -127,7 +132,7 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
         if (task.known) continue;
         const std::uint64_t hash = task.constraint.edges_hash;
         task.constraint = estimate_cluster_constraint(indices.at(task.a), indices.at(task.b),
-                                                      task.edges->edges, options);
+                                                      task.edges->edges, options, task.before);
         task.constraint.a = task.a->id;
         task.constraint.b = task.b->id;
         task.constraint.revision_a = task.a->revision;
@@ -177,6 +182,25 @@ Result<std::vector<Component>> solve_components(const MergeProblem& problem,
     return components;
 }
 
+/// Known constraints of pairs that have no two models at present, though both clusters are there:
+/// a cluster that an image has left shows no model until it is solved again, and most of what was
+/// known of it will hold then. @param tasks  ascending
+std::vector<ClusterConstraint> set_aside(const MergeProblem& problem,
+                                         const std::vector<PairTask>& tasks) {
+    std::vector<ClusterConstraint> aside;
+    const auto key = [](const PairTask& task) { return std::pair(task.edges->a, task.edges->b); };
+    for (const ClusterConstraint& constraint : problem.known) {
+        const std::pair pair(constraint.a, constraint.b);
+        if (std::ranges::binary_search(tasks, pair, {}, key)) continue;
+        if (find_cluster(problem, pair.first) == nullptr ||
+            find_cluster(problem, pair.second) == nullptr)
+            continue;
+        aside.push_back(constraint);
+        aside.back().used = false;
+    }
+    return aside;
+}
+
 }  // namespace
 
 Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options) {
@@ -189,6 +213,7 @@ Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& o
     if (!components) return components.error();
 
     MergeResult result;
+    result.set_aside = set_aside(problem, tasks);
     for (PairTask& task : tasks) {
         result.reused += task.known ? 1 : 0;
         result.dropped += task.constraint.accepted() && !task.constraint.used ? 1 : 0;

@@ -27,11 +27,12 @@ struct ClusterPairEdges {
 };
 
 struct MergeProblem {
-    std::vector<MergeCluster> clusters;    ///< ascending by id
-    std::vector<ClusterPairEdges> pairs;   ///< ascending by (a, b), each at most once
-    std::vector<ClusterConstraint> known;  ///< MergeResult::constraints of the version before
-    ScenePtr previous;                     ///< the published version before; null for the first
-    std::vector<ImageEvidence> evidence;   ///< of the session, ascending by image; may be empty
+    std::vector<MergeCluster> clusters;   ///< ascending by id
+    std::vector<ClusterPairEdges> pairs;  ///< ascending by (a, b), each at most once
+    /// MergeResult::constraints and MergeResult::set_aside of the version before, in any order.
+    std::vector<ClusterConstraint> known;
+    ScenePtr previous;                    ///< the published version before; null for the first
+    std::vector<ImageEvidence> evidence;  ///< of the session, ascending by image; may be empty
 };
 
 /// Where one cluster stands.
@@ -50,6 +51,8 @@ struct MergeResult {
     std::uint32_t effective_clusters = 0;
     std::vector<ClusterConstraint>
         constraints;  ///< ascending by (a, b): one for each pair with two models
+    /// Known ones of pairs without two models, to start from when they have them again.
+    std::vector<ClusterConstraint> set_aside;
     /// What each effective cluster that holds a model stands on, by its number.
     std::vector<ComponentPlace> places;
     std::optional<GpsPosition> datum;  ///< see PlacedComponents

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/stages/merge/cut_scene.h"
 
 namespace psfm {
@@ -16,8 +18,9 @@ struct Pair {
     Reconstruction b;
     std::vector<VerifiedPairPtr> edges;
 
-    ClusterConstraint estimate(const ClusterConstraintOptions& options = {}) const {
-        return estimate_cluster_constraint(index(a), index(b), edges, options);
+    ClusterConstraint estimate(const ClusterConstraintOptions& options = {},
+                               const ClusterConstraint* before = nullptr) const {
+        return estimate_cluster_constraint(index(a), index(b), edges, options, before);
     }
     static ClusterIndex index(const Reconstruction& model) {
         std::vector<ImageId> images;
@@ -145,6 +148,110 @@ TEST(EstimateClusterConstraint, IsTheSameEitherWayRoundAndEveryTime) {
     const ClusterConstraint back = Pair{pair.b, pair.a, pair.edges}.estimate();
     EXPECT_LT(test::difference(inverse(back.b_from_a), first.b_from_a), 1e-6);
     EXPECT_EQ(back.inliers, first.inliers);
+}
+
+void expect_equal(const ClusterConstraint& x, const ClusterConstraint& y) {
+    EXPECT_EQ(x.verdict, y.verdict);
+    EXPECT_EQ(x.edges_tried, y.edges_tried);
+    EXPECT_EQ(x.edges_accepted, y.edges_accepted);
+    EXPECT_EQ(x.correspondences, y.correspondences);
+    EXPECT_EQ(x.inliers, y.inliers);
+    EXPECT_EQ(x.b_from_a.rotation.coeffs(), y.b_from_a.rotation.coeffs());
+    EXPECT_EQ(x.b_from_a.translation, y.b_from_a.translation);
+    EXPECT_EQ(x.b_from_a.scale, y.b_from_a.scale);
+    EXPECT_EQ(x.anchor_in_a, y.anchor_in_a);
+    EXPECT_EQ(x.extent_in_a, y.extent_in_a);
+}
+
+/// Whatever changes in either model or among the edges, with and without an earlier estimate come
+/// to the same to the bit.
+TEST(EstimateClusterConstraint, WhatIsTakenOverIsWhatWouldBeEstimated) {
+    Pair pair = pair_of(test::cut_ring({14, 14}, 11));
+    const Pair original = pair;
+    ClusterConstraint before = pair.estimate();
+    ASSERT_TRUE(before.accepted());
+    EXPECT_EQ(before.edges_estimated, before.edges_tried);
+    synthetic::Rng rng(12);
+    std::uint32_t taken_over = 0;
+    for (int change = 0; change < 40; ++change) {
+        Reconstruction& model = rng.below(2) == 0 ? pair.a : pair.b;
+        switch (rng.below(5)) {
+            case 0:  // one point moves
+                model.points[rng.below(model.points.size())].position += 0.01 * rng.normal3();
+                break;
+            case 1:  // one camera turns
+                model.images[rng.below(model.images.size())].cam_from_cluster.rotation *=
+                    Eigen::Quaterniond(Eigen::AngleAxisd(0.001, rng.normal3().normalized()));
+                break;
+            case 2:  // one edge goes
+                if (pair.edges.size() > 4)
+                    pair.edges.erase(pair.edges.begin() +
+                                     static_cast<std::ptrdiff_t>(rng.below(pair.edges.size())));
+                break;
+            case 3:  // a focal length is known better
+                model.cameras.begin()->second.params[0] *= 1.0001;
+                break;
+            case 4:  // all as in the beginning
+                pair = original;
+                break;
+        }
+        const ClusterConstraint fresh = pair.estimate();
+        const ClusterConstraint again = pair.estimate({}, &before);
+        SCOPED_TRACE(change);
+        expect_equal(again, fresh);
+        EXPECT_EQ(fresh.edges_estimated, fresh.edges_tried);
+        EXPECT_LE(again.edges_estimated, again.edges_tried);
+        taken_over += again.edges_tried - again.edges_estimated;
+        before = again;
+    }
+    EXPECT_GT(taken_over, 0U);
+}
+
+/// A model of hundreds of images that is extended at its far end.
+TEST(EstimateClusterConstraint, ChangesElsewhereCostNothing) {
+    Pair pair = pair_of(test::cut_ring({40, 40}, 13));
+    std::erase_if(pair.edges, [](const VerifiedPairPtr& edge) {
+        return index_of(edge->pair.first) < 34 || index_of(edge->pair.second) >= 46;
+    });
+    const ClusterConstraint before = pair.estimate();
+    ASSERT_TRUE(before.accepted());
+    // Images that no edge leads to.
+    std::vector<ImageId> at_border;
+    for (const VerifiedPairPtr& edge : pair.edges) {
+        at_border.push_back(edge->pair.first);
+        at_border.push_back(edge->pair.second);
+    }
+    int moved = 0;
+    for (RegisteredImage& image : pair.a.images) {
+        if (std::ranges::find(at_border, image.image) != at_border.end()) continue;
+        image.cam_from_cluster.translation += Eigen::Vector3d::Constant(1e-4);
+        ++moved;
+    }
+    ASSERT_GT(moved, 0);
+    const ClusterConstraint again = pair.estimate({}, &before);
+    EXPECT_EQ(again.edges_estimated, 0U);
+    expect_equal(again, before);
+}
+
+/// The similarities stay, but cameras of one cluster have come to stand among those of the other.
+TEST(EstimateClusterConstraint, WhetherCamerasInterleaveIsAlwaysLookedAt) {
+    const CutScene cut = test::cut_ring({12, 12, 12}, 14);
+    Pair pair = pair_of(cut);
+    const ClusterConstraint before = pair.estimate();
+    ASSERT_TRUE(before.accepted());
+    const Sim3 b_from_a = truth_of(cut);
+    std::uint32_t image = 1000;
+    for (const RegisteredImage& other : cut.model(1).images) {
+        RegisteredImage beside = other;
+        beside.image = ImageId{image++};
+        beside.cam_from_cluster = transform_pose(other.cam_from_cluster, inverse(b_from_a));
+        beside.cam_from_cluster.translation += Eigen::Vector3d(1e-3, 0, 0);
+        pair.a.images.push_back(beside);
+    }
+    const ClusterConstraint again = pair.estimate({}, &before);
+    EXPECT_EQ(again.edges_estimated, 0U);
+    EXPECT_EQ(again.verdict, ConstraintVerdict::kInterleaved);
+    expect_equal(again, pair.estimate());
 }
 
 }  // namespace

@@ -170,6 +170,37 @@ TEST(RunMerge, OnlyWhatChangedIsEstimatedAgain) {
     EXPECT_EQ(merged(problem).reused, problem.pairs.size() - 1);
 }
 
+/// A cluster whose model is not shown for one version.
+TEST(RunMerge, WhatIsKnownOfAClusterWithoutAModelIsSetAside) {
+    const CutScene cut = test::cut_ring({12, 15, 10, 11}, 8);
+    MergeProblem problem = cut.problem();
+    const MergeResult first = merged(problem);
+    problem.known = first.constraints;
+    const std::shared_ptr<const Reconstruction> model = problem.clusters[1].model;
+    problem.clusters[1].model = nullptr;
+    const MergeResult without = merged(problem);
+    ASSERT_FALSE(without.set_aside.empty());
+    EXPECT_EQ(without.constraints.size() + without.set_aside.size(), first.constraints.size());
+    for (const ClusterConstraint& constraint : without.set_aside) EXPECT_FALSE(constraint.used);
+
+    problem.known = without.constraints;
+    problem.known.insert(problem.known.end(), without.set_aside.begin(), without.set_aside.end());
+    problem.clusters[1].model = model;
+    const MergeResult with = merged(problem);
+    EXPECT_EQ(with.reused, problem.pairs.size());
+    EXPECT_TRUE(with.set_aside.empty());
+    for (std::size_t c = 0; c < 4; ++c) {
+        EXPECT_EQ(with.placements[c].world_from_cluster.translation,
+                  first.placements[c].world_from_cluster.translation);
+    }
+    // A cluster that is gone takes it along.
+    std::erase_if(problem.pairs, [](const ClusterPairEdges& pair) {
+        return pair.a == ClusterId{1} || pair.b == ClusterId{1};
+    });
+    problem.clusters.erase(problem.clusters.begin() + 1);
+    EXPECT_TRUE(merged(problem).set_aside.empty());
+}
+
 TEST(RunMerge, IsBitwiseRepeatable) {
     const CutScene cut = test::cut_ring({12, 15, 10, 11}, 7);
     const MergeResult first = merged(cut.problem());
