@@ -22,10 +22,10 @@ struct AdjustmentOptions {
     /// accurate.
     double function_tolerance = 1e-6;
     /// Memory of the reduced camera system, up to which it is formed point by point and factorised
-    /// by tiles, and nothing else is kept. Empty tiles take none: 1,900 images that all see each
-    /// other have 512 MiB, as many along a street a small part of that. Lowered: Ceres solves it,
+    /// by tiles, and nothing else is kept. Empty tiles take none: 3,800 images that all see each
+    /// other have 2 GiB, 3,500 in streets 169 MiB. Lowered: Ceres solves it,
     /// and takes 1.4 kB an observation. Ours.
-    std::uint32_t max_reduced_mib = 512;
+    std::uint32_t max_reduced_mib = 2048;
     /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
     /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes
     /// (docs/accuracy.md): 1 divides the error on Herz-Jesus-P8 by 1.1 and costs 2 % on the others.

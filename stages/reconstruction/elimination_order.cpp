@@ -2,17 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/elimination_order.h"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
+#include <limits>
 #include <span>
+
+#include "stages/reconstruction/nested_dissection.h"
 
 namespace psfm {
 namespace {
 
 constexpr std::size_t kFewImages = 100;
-
-using Graph =
-    Eigen::SparseMatrix<double>;  // column by column, ascending; of which values are not used
 
 /// For each image, the points that it sees: ends[i - 1] to ends[i] of `points`.
 struct PointsByImage {
@@ -46,30 +44,28 @@ std::vector<std::span<const AdjustmentResidual>> residuals_by_point(
     return of;
 }
 
-Graph graph_of(const AdjustmentSelection& selection, std::span<const std::uint32_t> images,
-               std::size_t image_count) {
-    constexpr int kNone = -1;
-    std::vector<int> place(image_count, kNone);
-    for (std::size_t i = 0; i < images.size(); ++i) place[images[i]] = static_cast<int>(i);
+/// Which of the images see points together, by their places among `images`.
+NeighborLists neighbors_of(const AdjustmentSelection& selection,
+                           std::span<const std::uint32_t> images, std::size_t image_count) {
+    constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> place(image_count, kNone);
+    for (std::uint32_t i = 0; i < images.size(); ++i) place[images[i]] = i;
     const PointsByImage seen_by(selection.residuals, image_count);
     const auto seeing = residuals_by_point(selection);
-    const auto size = static_cast<Eigen::Index>(images.size());
-    std::vector<int> last_seen_with(images.size(), kNone);
-    std::vector<Eigen::Triplet<double>> edges;
-    for (int column = 0; column < size; ++column) {
-        for (const std::uint32_t point : seen_by.of(images[static_cast<std::size_t>(column)])) {
+    std::vector<std::uint32_t> last_seen_with(images.size(), kNone);
+    NeighborLists neighbors(images.size());
+    for (std::uint32_t i = 0; i < images.size(); ++i) {
+        last_seen_with[i] = i;
+        for (const std::uint32_t point : seen_by.of(images[i])) {
             for (const AdjustmentResidual& other : seeing[point]) {
-                const int row = place[other.feature.image];
-                if (row == kNone || last_seen_with[static_cast<std::size_t>(row)] == column)
-                    continue;
-                last_seen_with[static_cast<std::size_t>(row)] = column;
-                edges.emplace_back(row, column, 1.0);
+                const std::uint32_t j = place[other.feature.image];
+                if (j == kNone || last_seen_with[j] == i) continue;
+                last_seen_with[j] = i;
+                neighbors[i].push_back(j);
             }
         }
     }
-    Graph graph(size, size);
-    graph.setFromTriplets(edges.begin(), edges.end());
-    return graph;
+    return neighbors;
 }
 
 }  // namespace
@@ -78,13 +74,11 @@ std::vector<std::uint32_t> elimination_order(const AdjustmentSelection& selectio
                                              std::vector<std::uint32_t> images,
                                              std::size_t image_count) {
     if (images.size() <= kFewImages) return images;
-    const Graph graph = graph_of(selection, images, image_count);
-    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-    Eigen::AMDOrdering<int>{}(graph.selfadjointView<Eigen::Lower>(), order);
     std::vector<std::uint32_t> ordered;
     ordered.reserve(images.size());
-    for (const int place : order.indices())
-        ordered.push_back(images[static_cast<std::size_t>(place)]);
+    for (const std::uint32_t place :
+         nested_dissection(neighbors_of(selection, images, image_count)))
+        ordered.push_back(images[place]);
     return ordered;
 }
 
