@@ -35,7 +35,7 @@ std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& so
     auto part =
         std::make_shared<const Reconstruction>(restricted_to(*source.model, images_of(entry)));
     if (part->images.size() < mu_min_) return std::nullopt;
-    return RecycledModel{source.cluster, source.revision, std::move(part)};
+    return RecycledModel{source.cluster, source.revision, std::move(part), entry.topology};
 }
 
 /// Leaves of an entry's models what its images see. @return whether it lost some
@@ -93,6 +93,7 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
                                {source.cluster},
                                part->model->images.size()});
             join.others.push_back(source.cluster);
+            entry.brought.emplace_back(part->cluster, part->revision);
             entry.material.push_back(*std::move(part));
         }
         if (join.others.empty()) continue;
@@ -241,10 +242,13 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
     }
     ClusterEntry& entry = found->second;
     const bool current = entry.topology == solution.topology;
-    const bool usable =
-        solved && has_model(solution.model) && solution.topology >= entry.transfer_topology;
-    if (usable) {
-        entry.material = {{entry.id, entry.revision + (current ? 1 : 0), solution.model}};
+    if (solved && has_model(solution.model)) {
+        // What has come along since the solve began is not in its result.
+        std::erase_if(entry.material, [&](const RecycledModel& recycled) {
+            return recycled.arrived <= solution.topology;
+        });
+        entry.material.insert(entry.material.begin(),
+                              {entry.id, entry.revision + (current ? 1 : 0), solution.model});
         entry.material_state = solution.state;
     }
     if (!current) {
@@ -263,6 +267,7 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
     entry.phase = ClusterPhase::kClean;
     entry.solved_topology = entry.topology;
     entry.model = solution.model;
+    if (solved) entry.brought.clear();
     entry.waiting = solution.waiting;
     entry.settled = problem.settle;
     ++entry.revision;

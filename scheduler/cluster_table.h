@@ -27,6 +27,7 @@ struct RecycledModel {
     /// With the cluster it names the stored solution; the model may be a part of it.
     std::uint32_t revision = 0;
     std::shared_ptr<const Reconstruction> model;
+    std::uint32_t arrived = 0;  ///< topology of the cluster when the model came along; 0: its own
 };
 
 struct ClusterEntry {
@@ -44,9 +45,12 @@ struct ClusterEntry {
     /// What the next solve extends or joins: the own model, and what images have brought along that
     /// moved here together (paper sec. "Cluster Tracking and Recycling").
     std::vector<RecycledModel> material;
-    SolveState material_state;            ///< of the own model
-    std::uint32_t transfer_topology = 0;  ///< when models came along last: a result for an earlier
-                                          ///< topology does not hold them, and is no material
+    SolveState material_state;  ///< of the own model
+    /// Stored solutions that the material came from since the last published model: what a process
+    /// starts from that takes the session up again.
+    std::vector<std::pair<ClusterId, std::uint32_t>> brought;
+    std::uint32_t transfer_topology = 0;  ///< when models came along last: they are stored material
+                                          ///< until a result for this topology is published
     bool settled = false;  ///< all of the model was adjusted to convergence since it changed
 };
 
@@ -65,7 +69,8 @@ struct ClusterChange {
 /// All clusters of a session and what is to be solved. Not thread-safe: owned by the commit node.
 ///
 /// Invariants: at most one solve of a cluster is in flight; a clean cluster is never solved; a
-/// result for an outdated topology becomes material or nothing, never the published model.
+/// result for an outdated topology becomes material, beside what has come along since, never the
+/// published model.
 class ClusterTable {
   public:
     explicit ClusterTable(std::uint32_t mu_min) : mu_min_(mu_min) {}

@@ -313,9 +313,8 @@ StoredCluster Committer::stored(const ClusterEntry& entry) const {
     cluster.revision = entry.revision;
     cluster.transfer_topology = entry.transfer_topology;
     cluster.adopted = state_.clusters.adopted_by(entry);
-    for (const RecycledModel& recycled : entry.material) {
-        if (recycled.cluster != entry.id)
-            cluster.recycled.push_back({recycled.cluster, recycled.revision});
+    for (const auto& [source, revision] : entry.brought) {
+        if (source != entry.id) cluster.recycled.push_back({source, revision});
     }
     return cluster;
 }

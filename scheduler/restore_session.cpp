@@ -88,9 +88,9 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
             for (const SolutionReference& recycled : stored.recycled) {
                 auto model = store.recycled_model(recycled);
                 if (!model.ok()) return model.error();
-                if (*model)
-                    entry.material.push_back(
-                        {recycled.cluster, recycled.revision, *std::move(model)});
+                if (!*model) continue;
+                entry.material.push_back({recycled.cluster, recycled.revision, *std::move(model)});
+                entry.brought.emplace_back(recycled.cluster, recycled.revision);
             }
         }
         state.clusters.restore(std::move(entry));

@@ -173,7 +173,7 @@ TEST(ClusterTable, ALostEdgeMakesACleanClusterDirty) {
     EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})});
 }
 
-TEST(ClusterTable, ResultsFromBeforeAJoinAreNoMaterial) {
+TEST(ClusterTable, ResultsFromBeforeAJoinAreJoinedWithWhatCame) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
     table.apply(members(1, {3, 4, 5}));
@@ -189,7 +189,38 @@ TEST(ClusterTable, ResultsFromBeforeAJoinAreNoMaterial) {
     EXPECT_EQ(table.finish(outdated.problem, outdated.solution), nullptr);
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    EXPECT_EQ(material_of(*dirty.front()), Models{images({3, 4, 5})});
+    EXPECT_EQ(material_of(*dirty.front()), (Models{images({0, 1, 2}), images({3, 4, 5})}));
+}
+
+/// Joining large models takes long, and more of them come meanwhile: what is joined stays so.
+TEST(ClusterTable, AJoinThatAnotherOneOvertakesIsNotDoneAgain) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {3, 4, 5}));
+    table.apply(members(2, {6, 7, 8}));
+    solve_dirty(table);
+    ClusteringEdit first = members(0, {0, 1, 2, 3, 4, 5});
+    first.removed = {cluster(1)};
+    first.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
+    table.apply(first);
+    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4, 5}));
+    ClusteringEdit second = members(0, {0, 1, 2, 3, 4, 5, 6, 7, 8});
+    second.removed = {cluster(2)};
+    second.moved.push_back({cluster(2), cluster(0), images({6, 7, 8})});
+    table.apply(second);
+    EXPECT_EQ(table.finish(solve.problem, solve.solution), nullptr);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(material_of(*dirty.front()), (Models{images({0, 1, 2, 3, 4, 5}), images({6, 7, 8})}));
+    // Nothing of the join is stored yet: a process that dies now leaves all three to the next.
+    const std::vector<std::pair<ClusterId, std::uint32_t>> both = {{cluster(1), 1U},
+                                                                   {cluster(2), 1U}};
+    EXPECT_EQ(dirty.front()->brought, both);
+    const Solve last = solve_of(*dirty.front(), images({0, 1, 2, 3, 4, 5, 6, 7, 8}));
+    const ClusterEntry* published = table.finish(last.problem, last.solution);
+    ASSERT_NE(published, nullptr);
+    EXPECT_EQ(material_of(*published), Models{images({0, 1, 2, 3, 4, 5, 6, 7, 8})});
+    EXPECT_TRUE(published->brought.empty());
 }
 
 TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
