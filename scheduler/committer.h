@@ -59,6 +59,9 @@ class Committer {
     /// not
     std::vector<ClusterId> clusters_resting_on(std::span<const ImagePair> removed,
                                                const std::set<ClusterId>& except) const;
+    /// The next image may come in although this one is not published yet: what a version costs
+    /// grows with the session, and so may the number of images that share it.
+    void release_early(PendingImage& verified);
     void advance(CommitOutput& output);
     /// Images that have their place in a merged model move to the clusters that will place them.
     /// @return clusters that got one

@@ -67,8 +67,9 @@ struct ExecutionOptions {
     /// Photographs decoded or waiting to be accepted at most, beside those that are worked on.
     /// Higher: more memory.
     int photos_ahead = 4;
-    /// Accepted images that are not yet part of a published version, at most. Higher: more overlap,
-    /// more latency under load. A deterministic session has one.
+    /// Accepted images that are not yet part of a published version, at most, beside verified ones
+    /// up to a 25th of the session. Higher: more overlap, more latency under load. A deterministic
+    /// session has one.
     int images_in_flight = 8;
 };
 

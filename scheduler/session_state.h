@@ -30,7 +30,7 @@ struct PendingImage {
     Clock::time_point arrival;
     bool verified = false;
     bool published = false;
-    bool admitted = true;  ///< holds an image token until it is published
+    bool admitted = true;  ///< holds an image token, until it is published at the latest
 };
 
 /// Everything that a session knows while it runs. Not thread-safe: owned by the commit node.
