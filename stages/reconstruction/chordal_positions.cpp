@@ -88,7 +88,8 @@ Result<Columns3> refine_positions(const std::vector<RelativeDirection>& edges, C
     if (farthest != 0) problem.SetManifold(positions.col(farthest).data(), &scale_fixed);
 
     ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    // Most nodes are points, which have directions to images only: Ceres finds and eliminates them.
+    solver.linear_solver_type = ceres::SPARSE_SCHUR;
     // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (PARTS.md).
     solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     solver.max_num_iterations = options.max_refinement_iterations;

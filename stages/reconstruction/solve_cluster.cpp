@@ -72,10 +72,13 @@ Result<SolveAttempt> solve_globally(const ClusterProblem& problem, const LocalGr
     const auto grown =
         grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
-    const auto adjustments = refine_model(model, problem.fix_intrinsics, options.settling, options);
-    if (!adjustments.ok()) return adjustments.error();
-    attempt.statistics.full_adjustments += *adjustments;
-    attempt.state.images_at_full_adjustment = model.registered_count();
+    if (model.registered_count() > start->placed) {
+        const auto adjustments =
+            refine_model(model, problem.fix_intrinsics, options.growth, options);
+        if (!adjustments.ok()) return adjustments.error();
+        attempt.statistics.full_adjustments += *adjustments;
+        attempt.state.images_at_full_adjustment = model.registered_count();
+    }
     finish(attempt, model, graph, options);
     return attempt;
 }
@@ -142,7 +145,9 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     };
     const auto joined = static_cast<double>(recycling.images.size());
     if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
-        if (const auto done = refine(options.growth); !done.ok()) return done.error();
+        for (const RefinementOptions& refinement : {options.joining, options.growth}) {
+            if (const auto done = refine(refinement); !done.ok()) return done.error();
+        }
     } else if (recycling.joined > 0) {
         complete_tracks(model, recycling.images, options.tracks);
         merge_tracks(model, recycling.images, options.tracks);

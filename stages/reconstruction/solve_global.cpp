@@ -149,8 +149,9 @@ Result<std::uint32_t> adjust_in_rounds(WorkingModel& model, const std::vector<Fe
         }
         last = allowed.max_error_px <= options.tracks.max_error_px;
         triangulate_tracks(model, tracks, allowed);
-        const auto report =
-            adjust(model, full_scope(model, !fix_intrinsics), options.global.adjustment);
+        AdjustmentOptions adjustment = options.global.adjustment;
+        if (!last) adjustment.function_tolerance = options.global.round_tolerance;
+        const auto report = adjust(model, full_scope(model, !fix_intrinsics), adjustment);
         if (!report) return report.error();
         ++adjustments;
         filter_tracks(model, {}, allowed);

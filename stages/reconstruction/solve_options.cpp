@@ -10,9 +10,10 @@ Result<void> validate(const GlobalOptions& options) {
         if (!part.ok()) return part;
     }
     if (!(options.track_weight > 0) || !(options.start_error_px > 0) ||
-        options.calibration_images < 2 || options.adjusted_tracks_per_image == 0) {
+        options.calibration_images < 2 || options.adjusted_tracks_per_image == 0 ||
+        !(options.round_tolerance > 0)) {
         return Error{ErrorCode::kInvalidArgument,
-                     "global reconstruction: track_weight, start_error_px and "
+                     "global reconstruction: track_weight, start_error_px, round_tolerance and "
                      "adjusted_tracks_per_image must be positive, calibration_images 2 at least"};
     }
     return {};
@@ -22,8 +23,8 @@ Result<void> validate(const SolveOptions& options) {
     for (const Result<void>& part :
          {validate(options.absolute_pose), validate(options.tracks),
           validate(options.local_adjustment), validate(options.growth.adjustment),
-          validate(options.settling.adjustment), validate(options.rotation_averaging),
-          validate(options.global)}) {
+          validate(options.joining.adjustment), validate(options.settling.adjustment),
+          validate(options.rotation_averaging), validate(options.global)}) {
         if (!part.ok()) return part;
     }
     if (options.mu_min < 2)

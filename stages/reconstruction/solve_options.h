@@ -81,10 +81,13 @@ struct GlobalOptions {
     /// Tracks that are adjusted in these rounds, about so many seen by each image; then all are.
     /// Raised: slower; lowered: intrinsics less well determined. Ours.
     std::uint32_t adjusted_tracks_per_image = 200;
-    /// Of these rounds. Much is wrong at first: intrinsics, and with them rotations, along
-    /// directions in which the error hardly changes.
+    /// Of the last of these rounds. Much is wrong at first: intrinsics, and with them rotations,
+    /// along directions in which the error hardly changes.
     AdjustmentOptions adjustment{
         .loss_scale_px = 1.0, .max_iterations = 100, .function_tolerance = 1e-6};
+    /// function_tolerance of those before it, which only find out which observations to keep.
+    /// Lowered: slower. Ours.
+    double round_tolerance = 1e-4;
 };
 
 /// @errors kInvalidArgument
@@ -132,6 +135,12 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
+    /// Before `growth`, of models that were joined: what they have drifted apart takes many
+    /// iterations, and few points. Ours.
+    RefinementOptions joining{
+        .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-4},
+        .max_rounds = 1,
+        .points_per_image = 100};
     RefinementOptions settling{
         .images_for_principal_point = 5, .points_per_image = 2500, .thin_from_images = 200};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
