@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scheduler/session_config.h"
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "scheduler/whole_number.h"
@@ -49,6 +50,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.plausibility.reset();
         options.solve.settling.images_for_principal_point = 0;
         options.solve.max_reset_images = 0.0;
+        options.solve.rejoin_from_images = std::numeric_limits<std::uint32_t>::max();
         options.verification.enough_pairs = 0;
         options.merge.constraint.border_cameras = 0;
     } else if (config.preset != "default") {

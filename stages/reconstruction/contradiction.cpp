@@ -3,7 +3,9 @@
 #include "stages/reconstruction/contradiction.h"
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 namespace psfm {
 namespace {
@@ -33,10 +35,22 @@ std::vector<ComparedEdge> compare(const WorkingModel& model, const LocalGraph& g
 
 using Neighbors = std::vector<std::vector<std::uint32_t>>;
 
-/// The images of the largest connected part; of equal ones, that of the smallest image.
-std::vector<bool> largest_part(const Neighbors& neighbors) {
+/// By image: its neighbours by edges that agree.
+Neighbors agreeing_neighbors(const std::vector<ComparedEdge>& edges, std::size_t images,
+                             double max_deg) {
+    Neighbors agreeing(images);
+    for (const ComparedEdge& edge : edges) {
+        if (edge.angle_deg > max_deg) continue;
+        agreeing[edge.i].push_back(edge.j);
+        agreeing[edge.j].push_back(edge.i);
+    }
+    return agreeing;
+}
+
+/// Connected parts, largest first; of equal ones, that of the smallest image.
+std::vector<std::vector<std::uint32_t>> connected_parts(const Neighbors& neighbors) {
     std::vector<bool> seen(neighbors.size(), false);
-    std::vector<std::uint32_t> largest;
+    std::vector<std::vector<std::uint32_t>> parts;
     for (std::uint32_t root = 0; root < neighbors.size(); ++root) {
         if (seen[root]) continue;
         seen[root] = true;
@@ -48,11 +62,11 @@ std::vector<bool> largest_part(const Neighbors& neighbors) {
                 part.push_back(next);
             }
         }
-        if (part.size() > largest.size()) largest = std::move(part);
+        parts.push_back(std::move(part));
     }
-    std::vector<bool> in_largest(neighbors.size(), false);
-    for (const std::uint32_t image : largest) in_largest[image] = true;
-    return in_largest;
+    std::ranges::stable_sort(parts, std::greater{},
+                             [](const std::vector<std::uint32_t>& part) { return part.size(); });
+    return parts;
 }
 
 }  // namespace
@@ -71,16 +85,25 @@ Contradiction find_contradiction(const WorkingModel& model, const LocalGraph& gr
     return worst;
 }
 
+std::vector<std::vector<std::uint32_t>> agreeing_parts(const WorkingModel& model,
+                                                       const LocalGraph& graph, double max_deg) {
+    auto parts =
+        connected_parts(agreeing_neighbors(compare(model, graph), model.image_count(), max_deg));
+    std::erase_if(parts, [&](const std::vector<std::uint32_t>& part) {
+        return !model.registered(part.front());
+    });
+    for (std::vector<std::uint32_t>& part : parts) std::ranges::sort(part);
+    return parts;
+}
+
 std::vector<std::uint32_t> contradicting_images(const WorkingModel& model, const LocalGraph& graph,
                                                 double max_deg) {
     const std::vector<ComparedEdge> edges = compare(model, graph);
-    Neighbors agreeing(model.image_count());
-    for (const ComparedEdge& edge : edges) {
-        if (edge.angle_deg > max_deg) continue;
-        agreeing[edge.i].push_back(edge.j);
-        agreeing[edge.j].push_back(edge.i);
+    std::vector<bool> good(model.image_count(), false);
+    const auto parts = connected_parts(agreeing_neighbors(edges, model.image_count(), max_deg));
+    if (!parts.empty()) {
+        for (const std::uint32_t image : parts.front()) good[image] = true;
     }
-    std::vector<bool> good = largest_part(agreeing);
     while (true) {
         std::vector<std::uint32_t> bad(model.image_count(), 0);
         std::vector<std::uint32_t> all(model.image_count(), 0);

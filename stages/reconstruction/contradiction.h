@@ -18,6 +18,12 @@ namespace psfm {
 Contradiction find_contradiction(const WorkingModel& model, const LocalGraph& graph,
                                  double max_deg);
 
+/// The parts of a model that chains of agreeing edges hold together, largest first: every edge
+/// between two of them contradicts.
+/// @return registered images, local, each part ascending
+std::vector<std::vector<std::uint32_t>> agreeing_parts(const WorkingModel& model,
+                                                       const LocalGraph& graph, double max_deg);
+
 /// The images that a contradiction comes down to (ours): those that no chain of agreeing edges
 /// joins to the largest part of the model, and within that part those whose edges contradict most,
 /// until none is left that does. A model that is folded gives a whole side of the fold.

@@ -11,13 +11,14 @@
 
 namespace psfm {
 
-/// Resets the images that a contradiction comes down to, when they are few: takes them out and adds
-/// them again, now that more of the scene is known than when they were placed (ours; the paper
-/// resets whole clusters, which stays for everything else). Sets statistics.reset, and
-/// notes in `state` what contradiction is left.
-/// Without effect when they are many; when adding them again leaves too much contradiction, the
-/// model stays a bad configuration.
-/// @errors those of grow_model
+/// Resets the images that a contradiction comes down to (ours; the paper resets whole clusters,
+/// which stays for everything else). When they are few, takes them out and adds them again, now
+/// that more of the scene is known than when they were placed. When they are many, and the model
+/// large, its parts that agree within themselves are joined again as the edges between them say
+/// now; that is kept when at least half of the contradiction goes, and hardly an image.
+/// Sets statistics.reset, and notes in `state` what contradiction is left. When that is too much,
+/// the model stays a bad configuration.
+/// @errors those of grow_model and refine_model
 Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
                         const SolveOptions& options, const std::atomic<bool>* cancel,
                         SolveState& state, SolveStatistics& statistics);

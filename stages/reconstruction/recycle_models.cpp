@@ -7,6 +7,7 @@
 #include <optional>
 #include <ranges>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "stages/merge/estimate_cluster_constraint.h"
@@ -87,16 +88,10 @@ std::optional<Sim3> base_from_part(const Reconstruction& base, const Reconstruct
 
 }  // namespace
 
-Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
-                        const SolveOptions& options) {
+Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
+                      const ClusterProblem& problem, const LocalGraph& graph,
+                      const SolveOptions& options) {
     Recycling recycling;
-    model.load(*problem.recycled.front());
-    std::vector<ImageId> members;
-    members.reserve(problem.images.size());
-    for (const ClusterImage& image : problem.images) members.push_back(image.id);
-    std::vector<Reconstruction> parts;
-    for (const auto& recycled : problem.recycled | std::views::drop(1))
-        parts.push_back(restricted_to(*recycled, members));
     bool progress = true;
     while (progress && !parts.empty()) {
         progress = false;
@@ -118,6 +113,18 @@ Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, cons
     recycling.images.erase(repeated.begin(), repeated.end());
     recycling.left = static_cast<std::uint32_t>(parts.size());
     return recycling;
+}
+
+Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
+                        const SolveOptions& options) {
+    model.load(*problem.recycled.front());
+    std::vector<ImageId> members;
+    members.reserve(problem.images.size());
+    for (const ClusterImage& image : problem.images) members.push_back(image.id);
+    std::vector<Reconstruction> parts;
+    for (const auto& recycled : problem.recycled | std::views::drop(1))
+        parts.push_back(restricted_to(*recycled, members));
+    return join_models(model, std::move(parts), problem, graph, options);
 }
 
 }  // namespace psfm

@@ -18,11 +18,16 @@ struct Recycling {
     std::uint32_t left = 0;  ///< models that found no place: their images are added one by one
 };
 
+/// Moves models onto one that is there, each by the similarity that the 3D-3D correspondences of
+/// the local graph's edges between them agree on, if the relative rotations it brings about agree
+/// with the averaged ones. Models that find no place are tried again after each one that does.
+/// Nothing is adjusted; tracks are not fused yet. Deterministic.
+Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
+                      const ClusterProblem& problem, const LocalGraph& graph,
+                      const SolveOptions& options);
+
 /// Loads the problem's recycled models (paper sec. "Cluster Reconstruction", transfer): the first
-/// as it is, each other one moved onto what is there by the similarity that the 3D-3D
-/// correspondences of the local graph's edges between them agree on, if the relative rotations it
-/// brings about agree with the averaged ones. Models that find no place are tried again after each
-/// one that does. Nothing is adjusted; tracks are not fused yet.
+/// as it is, the others joined to it.
 /// REQUIRES: nothing registered in `model` yet, problem.recycled not empty. Deterministic.
 Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
                         const SolveOptions& options);

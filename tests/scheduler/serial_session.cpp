@@ -13,9 +13,9 @@
 namespace psfm::test {
 namespace {
 
-SessionConfig config_of(const synthetic::SyntheticScene& scene) {
+SessionConfig config_of(const synthetic::SyntheticScene& scene, bool deterministic) {
     SessionConfig config;
-    config.deterministic = true;
+    config.deterministic = deterministic;
     config.fix_intrinsics = true;
     for (std::size_t i = 0; i < scene.images.size(); ++i) {
         const CameraId camera = scene.images[i].camera;
@@ -45,9 +45,9 @@ ExtractedMessage extracted(const synthetic::SyntheticScene& scene, std::size_t i
 }  // namespace
 
 SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
-                             const std::vector<VerifiedPairPtr>& pairs)
+                             const std::vector<VerifiedPairPtr>& pairs, bool deterministic)
     : scene_(&scene), pairs_(&pairs) {
-    const SessionConfig config = config_of(scene);
+    const SessionConfig config = config_of(scene, deterministic);
     options_ = *stage_options(config);
     auto restored = restore_session(store, config, options_);
     EXPECT_TRUE(restored.ok());
@@ -67,6 +67,20 @@ CommitInput SerialSession::verified(ImageId image) const {
         0.0};
 }
 
+CommitInput SerialSession::solved(const SolveMessage& solve) const {
+    return SolvedMessage{solve.problem,
+                         std::make_shared<const Result<ClusterSolution>>(
+                             solve_cluster(*solve.problem, options_.solve, nullptr))};
+}
+
+void SerialSession::release_solves() {
+    holds_solves_ = false;
+    std::vector<CommitInput> messages;
+    for (const SolveMessage& solve : held_) messages.push_back(solved(solve));
+    held_.clear();
+    EXPECT_TRUE(run(std::move(messages), kAll));
+}
+
 bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) {
     std::deque<CommitInput> queue(std::make_move_iterator(messages.begin()),
                                   std::make_move_iterator(messages.end()));
@@ -78,9 +92,11 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
         for (const AcceptedImagePtr& accepted : output->accepted)
             queue.push_back(verified(accepted->image.id));
         for (const SolveMessage& solve : output->solves) {
-            queue.push_back(SolvedMessage{
-                solve.problem, std::make_shared<const Result<ClusterSolution>>(
-                                   solve_cluster(*solve.problem, options_.solve, nullptr))});
+            if (holds_solves_) {
+                held_.push_back(solve);
+            } else {
+                queue.push_back(solved(solve));
+            }
         }
         if (output->merge) {
             auto merged = run_merge(*output->merge->problem, options_.merge);
@@ -94,6 +110,7 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
                                           0.0});
         }
         if (!output->publish) continue;
+        released_ += output->publish->images_released;
         std::ranges::move(output->publish->events, std::back_inserter(events_));
         for (const ImageReport& report : output->publish->images) {
             reported_.push_back(report.index);

@@ -13,15 +13,15 @@
 
 namespace psfm::test {
 
-/// A deterministic session of a synthetic scene: one message after the other, through the committer
-/// and the real stages behind it, with verified pairs instead of photographs.
+/// A session of a synthetic scene: one message after the other, through the committer and the real
+/// stages behind it, with verified pairs instead of photographs.
 class SerialSession {
   public:
     /// Goes on where the store ends, and finishes what an earlier process left.
     /// @param pairs  all of them; an image brings those with earlier ones
     /// REQUIRES: scene and pairs outlive the session
     SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
-                  const std::vector<VerifiedPairPtr>& pairs);
+                  const std::vector<VerifiedPairPtr>& pairs, bool deterministic = true);
 
     static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
     /// Takes the next image through all stages; or handles so many messages of it only, like a
@@ -29,17 +29,23 @@ class SerialSession {
     bool add_image(std::size_t messages = kAll);
     /// No image will follow: settles the models.
     void end();
+    /// Solves take until the next release_solves(); messages that follow overtake them.
+    void hold_solves() { holds_solves_ = true; }
+    void release_solves();
 
     const SessionState& state() const { return committer_->state(); }
     const std::vector<SessionEvent>& events() const { return events_; }
     /// Indices of reported images, in order, counted from 1.
     const std::vector<std::uint32_t>& reported() const { return reported_; }
+    /// Image tokens that have been given back.
+    std::uint32_t released() const { return released_; }
     /// Images that had a place when each of these was reported.
     const std::vector<std::uint32_t>& placed_when_reported() const { return placed_when_reported_; }
 
   private:
     bool run(std::vector<CommitInput> messages, std::size_t at_most);
     CommitInput verified(ImageId image) const;
+    CommitInput solved(const SolveMessage& solve) const;
 
     const synthetic::SyntheticScene* scene_;
     const std::vector<VerifiedPairPtr>* pairs_;
@@ -50,6 +56,9 @@ class SerialSession {
     std::vector<std::uint32_t> reported_;
     std::vector<std::uint32_t> placed_when_reported_;
     std::uint64_t photos_ = 0;
+    std::uint32_t released_ = 0;
+    bool holds_solves_ = false;
+    std::vector<SolveMessage> held_;
 };
 
 }  // namespace psfm::test

@@ -163,6 +163,38 @@ TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
 
+/// Both arms of the fold are right by themselves: only how they stand to each other is wrong.
+TEST(RecycleModels, JoinsThePartsOfALargeFoldedModelAgain) {
+    const SyntheticScene scene = noisy_ring(4);
+    SolveOptions options;
+    options.rejoin_from_images = kImages;
+    const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), options);
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->statistics.reset);
+    const std::vector<ImageId>& moved = solution->statistics.reset->images;
+    EXPECT_GT(moved.size(), std::size_t{kImages / 10});
+    EXPECT_LE(2 * moved.size(), std::size_t{kImages});
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kExtend) << "not solved new";
+    EXPECT_EQ(solution->statistics.registered, 0U) << "and no image by itself";
+    EXPECT_EQ(solution->model->images.size(), kImages);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+    EXPECT_LT(solution->state.tolerated_contradiction_deg, options.max_contradiction_deg);
+}
+
+/// No similarity between the arms is believed.
+TEST(RecycleModels, PartsThatNothingJoinsAreSolvedNew) {
+    const SyntheticScene scene = noisy_ring(4);
+    SolveOptions options;
+    options.rejoin_from_images = kImages;
+    options.transfer.min_edge_inliers = 1000000;
+    const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), options);
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->statistics.reset);
+    EXPECT_TRUE(solution->statistics.reset->images.empty());
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kNew);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
 TEST(RecycleModels, PlacesAnewTheOneImageThatContradicts) {
     const SyntheticScene scene = noisy_ring(5);
     Reconstruction model = *model_of(scene, range(0, kImages), 51);
