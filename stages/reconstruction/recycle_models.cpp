@@ -22,15 +22,17 @@ std::vector<ImageId> images_of(const Reconstruction& model) {
     return images;
 }
 
-/// Edges with one image in each of two models.
+/// Whether a pair's first image is in a, and the second in b. Models may share images.
+bool leads(const ImagePair& pair, const Reconstruction& a, const Reconstruction& b) {
+    return a.find(pair.first) != nullptr && b.find(pair.second) != nullptr;
+}
+
+/// Edges with one image in each of two models, either way round and not both.
 std::vector<VerifiedPairPtr> edges_between(const LocalGraph& graph, const Reconstruction& a,
                                            const Reconstruction& b) {
     std::vector<VerifiedPairPtr> edges;
     for (const VerifiedPairPtr& pair : graph.pairs) {
-        const auto [first, second] = pair->pair;
-        const bool straight = a.find(first) != nullptr && b.find(second) != nullptr;
-        const bool reverse = b.find(first) != nullptr && a.find(second) != nullptr;
-        if (straight != reverse) edges.push_back(pair);
+        if (leads(pair->pair, a, b) != leads(pair->pair, b, a)) edges.push_back(pair);
     }
     return edges;
 }
@@ -46,7 +48,7 @@ class RotationCheck {
         std::size_t agreeing = 0;
         for (const VerifiedPairPtr& pair : edges) {
             const auto [first, second] = pair->pair;
-            const bool straight = base.find(first) != nullptr;
+            const bool straight = leads(pair->pair, base, part);
             const ImageId in_base = straight ? first : second;
             const ImageId in_part = straight ? second : first;
             const Eigen::Quaterniond moved =

@@ -163,6 +163,22 @@ TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
 
+/// Images that left a cluster while it was being solved, and came back with what they brought
+/// along, are in both models.
+TEST(RecycleModels, JoinsModelsThatShareImages) {
+    const SyntheticScene scene = noisy_ring(6);
+    const ModelPtr late = model_of(scene, range(5, kImages), 61);
+    const ModelPtr early = model_of(scene, range(0, 10), 62);
+    for (const auto& models : {std::vector{late, early}, std::vector{early, late}}) {
+        const auto solution = solve_cluster(ring_problem(scene, models), {});
+        ASSERT_TRUE(solution.ok());
+        EXPECT_EQ(solution->statistics.joined_models, 1U);
+        EXPECT_EQ(solution->statistics.left_models, 0U);
+        EXPECT_EQ(solution->model->images.size(), kImages);
+        EXPECT_LT(max_position_error(*solution, scene), 0.02);
+    }
+}
+
 /// Both arms of the fold are right by themselves: only how they stand to each other is wrong.
 TEST(RecycleModels, JoinsThePartsOfALargeFoldedModelAgain) {
     const SyntheticScene scene = noisy_ring(4);
