@@ -46,11 +46,9 @@ Result<std::vector<std::uint32_t>> rejoin_parts(WorkingModel& model, const Clust
     }
     const Recycling joined = join_models(model, std::move(models), problem, graph, options);
     if (joined.joined == 0) return std::vector<std::uint32_t>{};
-    for (const RefinementOptions& refinement : {options.joining, options.growth}) {
-        const auto adjustments = refine_model(model, problem.fix_intrinsics, refinement, options);
-        if (!adjustments.ok()) return adjustments.error();
-        statistics.full_adjustments += *adjustments;
-    }
+    const auto adjustments = refine_model(model, problem.fix_intrinsics, options.growth, options);
+    if (!adjustments.ok()) return adjustments.error();
+    statistics.full_adjustments += *adjustments;
     state.images_at_full_adjustment = model.registered_count();
     const auto grown = grow_model(model, problem, options, cancel, state, statistics);
     if (!grown.ok()) return grown.error();

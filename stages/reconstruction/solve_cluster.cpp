@@ -145,9 +145,7 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     };
     const auto joined = static_cast<double>(recycling.images.size());
     if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
-        for (const RefinementOptions& refinement : {options.joining, options.growth}) {
-            if (const auto done = refine(refinement); !done.ok()) return done.error();
-        }
+        if (const auto done = refine(options.growth); !done.ok()) return done.error();
     } else if (recycling.joined > 0) {
         complete_tracks(model, recycling.images, options.tracks);
         merge_tracks(model, recycling.images, options.tracks);

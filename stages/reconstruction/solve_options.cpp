@@ -23,8 +23,8 @@ Result<void> validate(const SolveOptions& options) {
     for (const Result<void>& part :
          {validate(options.absolute_pose), validate(options.tracks),
           validate(options.local_adjustment), validate(options.growth.adjustment),
-          validate(options.joining.adjustment), validate(options.settling.adjustment),
-          validate(options.rotation_averaging), validate(options.global)}) {
+          validate(options.settling.adjustment), validate(options.rotation_averaging),
+          validate(options.global)}) {
         if (!part.ok()) return part;
     }
     if (options.mu_min < 2)

@@ -140,12 +140,6 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
-    /// Before `growth`, of models that were joined: what they have drifted apart takes many
-    /// iterations, and few points. Ours.
-    RefinementOptions joining{
-        .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-4},
-        .max_rounds = 1,
-        .points_per_image = 100};
     RefinementOptions settling{
         .images_for_principal_point = 5, .points_per_image = 2500, .thin_from_images = 200};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
