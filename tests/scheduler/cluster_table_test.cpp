@@ -11,6 +11,15 @@ namespace {
 
 using namespace test;
 
+/// A cluster that is gone: its images are in another one now, whose members these are.
+ClusteringEdit join(std::uint32_t from, const std::vector<ImageId>& moved, std::uint32_t to,
+                    std::initializer_list<std::uint32_t> all) {
+    ClusteringEdit edit = members(to, all);
+    edit.removed = {cluster(from)};
+    edit.moved.push_back({cluster(from), cluster(to), moved});
+    return edit;
+}
+
 TEST(ClusterTable, SolvesADirtyClusterOnce) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
@@ -67,10 +76,7 @@ TEST(ClusterTable, JoinedModelsAreBothMaterial) {
         const Solve solve = solve_of(*entry, entry->members);
         table.finish(solve.problem, solve.solution);
     }
-    ClusteringEdit join = members(0, {0, 1, 2, 3, 4, 5, 6});
-    join.removed = {cluster(1)};
-    join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
-    const auto changes = table.apply(join);
+    const auto changes = table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5, 6}));
     ASSERT_EQ(changes.size(), 2U);
     EXPECT_EQ(changes.front().kind, ClusterChange::Kind::kTransfer);
     EXPECT_EQ(changes.front().images, 3U);
@@ -126,14 +132,8 @@ TEST(ClusterTable, PartsOfSeveralEditsComeTogether) {
     table.apply(members(1, {3, 4, 5}));
     table.apply(members(2, {6, 7, 8}));
     solve_dirty(table);
-    ClusteringEdit first = members(0, {0, 1, 2, 3, 4, 5});
-    first.removed = {cluster(1)};
-    first.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
-    table.apply(first);
-    ClusteringEdit second = members(2, {0, 1, 2, 3, 4, 5, 6, 7, 8});
-    second.removed = {cluster(0)};
-    second.moved.push_back({cluster(0), cluster(2), images({0, 1, 2, 3, 4, 5})});
-    table.apply(second);
+    table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
+    table.apply(join(0, images({0, 1, 2, 3, 4, 5}), 2, {0, 1, 2, 3, 4, 5, 6, 7, 8}));
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
     EXPECT_EQ(material_of(*dirty.front()),
@@ -145,10 +145,7 @@ TEST(ClusterTable, AFailedSolveLeavesAllMaterialForTheNext) {
     table.apply(members(0, {0, 1, 2}));
     table.apply(members(1, {3, 4, 5}));
     solve_dirty(table);
-    ClusteringEdit join = members(0, {0, 1, 2, 3, 4, 5});
-    join.removed = {cluster(1)};
-    join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
-    table.apply(join);
+    table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
     const Solve stand_in = solve_of(*dirty.front(), images({0, 1, 2}));
@@ -181,10 +178,7 @@ TEST(ClusterTable, ResultsFromBeforeAJoinAreJoinedWithWhatCame) {
     for (const ClusterEntry* entry : table.take_dirty()) first.push_back(*entry);
     const Solve one = solve_of(first[1], images({3, 4, 5}));
     table.finish(one.problem, one.solution);
-    ClusteringEdit join = members(0, {0, 1, 2, 3, 4, 5});
-    join.removed = {cluster(1)};
-    join.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
-    table.apply(join);
+    table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
     const Solve outdated = solve_of(first[0], images({0, 1, 2}));
     EXPECT_EQ(table.finish(outdated.problem, outdated.solution), nullptr);
     const auto dirty = table.take_dirty();
@@ -199,15 +193,9 @@ TEST(ClusterTable, AJoinThatAnotherOneOvertakesIsNotDoneAgain) {
     table.apply(members(1, {3, 4, 5}));
     table.apply(members(2, {6, 7, 8}));
     solve_dirty(table);
-    ClusteringEdit first = members(0, {0, 1, 2, 3, 4, 5});
-    first.removed = {cluster(1)};
-    first.moved.push_back({cluster(1), cluster(0), images({3, 4, 5})});
-    table.apply(first);
+    table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
     const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4, 5}));
-    ClusteringEdit second = members(0, {0, 1, 2, 3, 4, 5, 6, 7, 8});
-    second.removed = {cluster(2)};
-    second.moved.push_back({cluster(2), cluster(0), images({6, 7, 8})});
-    table.apply(second);
+    table.apply(join(2, images({6, 7, 8}), 0, {0, 1, 2, 3, 4, 5, 6, 7, 8}));
     EXPECT_EQ(table.finish(solve.problem, solve.solution), nullptr);
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);

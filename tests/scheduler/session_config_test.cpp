@@ -40,6 +40,7 @@ TEST(StageOptions, PaperPresetSetsThePapersFormula) {
     config.preset = "paper";
     EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kLiteral);
     EXPECT_EQ(stage_options(config)->solve.max_reset_images, 0.0) << "whole clusters only";
+    EXPECT_GT(stage_options(config)->solve.rejoin_from_images, 1000000U) << "no parts of them";
     EXPECT_FALSE(stage_options(config)->solve.plausibility) << "inliers alone";
     config.preset = "other";
     EXPECT_EQ(stage_options(config).error().code, ErrorCode::kInvalidArgument);
