@@ -56,4 +56,25 @@ void KdTree::search(std::size_t first, std::size_t last, int axis, const Eigen::
     }
 }
 
+std::vector<std::uint32_t> KdTree::nearer_than(const Eigen::Vector3d& query,
+                                               double distance) const {
+    std::vector<std::uint32_t> found;
+    collect(0, order_.size(), 0, query, distance * distance, found);
+    std::ranges::sort(found);
+    return found;
+}
+
+void KdTree::collect(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
+                     double squared, std::vector<std::uint32_t>& found) const {
+    if (first >= last) return;
+    const std::size_t middle = first + (last - first) / 2;
+    const std::uint32_t index = order_[middle];
+    if ((points_[index] - query).squaredNorm() < squared) found.push_back(index);
+    const double offset = query[axis] - points_[index][axis];
+    const int next = (axis + 1) % 3;
+    const bool beyond = offset * offset >= squared;
+    if (offset < 0.0 || !beyond) collect(first, middle, next, query, squared, found);
+    if (offset >= 0.0 || !beyond) collect(middle + 1, last, next, query, squared, found);
+}
+
 }  // namespace psfm

@@ -28,6 +28,8 @@ class KdTree {
     /// at once.
     bool has_nearer(const Eigen::Vector3d& query, double distance,
                     std::size_t excluded = kNone) const;
+    /// Indices of the points that are nearer than `distance`, ascending.
+    std::vector<std::uint32_t> nearer_than(const Eigen::Vector3d& query, double distance) const;
 
   private:
     /// Sorts order_[first, last) into a balanced tree with its root in the middle.
@@ -35,6 +37,8 @@ class KdTree {
     /// @param best  squared distance of the nearest so far; farther ones are not looked at
     void search(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
                 std::size_t excluded, double& best) const;
+    void collect(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
+                 double squared, std::vector<std::uint32_t>& found) const;
 
     std::vector<Eigen::Vector3d> points_;
     std::vector<std::uint32_t> order_;

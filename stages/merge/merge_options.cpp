@@ -28,6 +28,10 @@ Result<void> validate(const ClusterConstraintOptions& options) {
         return invalid(
             "min_neighborhood_similarity (lambda_s) must be between 0 and 1; 0.9 is the paper's");
     }
+    if (!(options.companion_offset > 0.0 && options.companion_turn_deg > 0.0))
+        return invalid("companion_offset and companion_turn_deg must be positive");
+    if (!(options.max_unmatched_part >= 0.0 && options.max_unmatched_part <= 1.0))
+        return invalid("max_unmatched_part must be between 0 and 1");
     if (!(options.confidence >= 0.0 && options.confidence < 1.0)) {
         return invalid("confidence must be at least 0 and below 1");
     }

@@ -29,6 +29,17 @@ struct ClusterConstraintOptions {
     /// camera of either may well be nearer to the other's; in clusters of five that alone is s =
     /// 0.8. Raised: small clusters may interleave. 0: the paper. Ours.
     std::uint32_t border_cameras = 2;
+    /// Cameras stand beside each other when they are nearer than this part of the depth of what
+    /// they see, and their viewing directions differ by less [deg]. As PlaceOptions. Ours.
+    double companion_offset = 0.25;
+    double companion_turn_deg = 25.0;
+    /// Cameras beside some of another cluster without an edge to any of them, at which the two
+    /// clusters cannot both stand where they do; 0: never, as in the paper. Lowered: a few pairs
+    /// that were not tried keep clusters apart; raised: folds join them. Ours.
+    std::uint32_t min_unmatched_cameras = 5;
+    /// And their part of all that stand beside some of the other cluster, at least. Ours: those
+    /// beside the one facade that two streets have are matched.
+    double max_unmatched_part = 0.2;
     /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
     /// slower, linear. Ours: a hundred edges fix seven numbers many times over.
     std::uint32_t max_edges_per_pair = 100;

@@ -12,7 +12,9 @@
 
 #include "stages/merge/cluster_index.h"
 #include "stages/merge/cluster_pose_graph.h"
+#include "stages/merge/contract_signed_graph.h"
 #include "stages/merge/estimate_cluster_constraint.h"
+#include "stages/merge/find_contradictions.h"
 #include "stages/merge/place_components.h"
 
 namespace psfm {
@@ -142,38 +144,113 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
     }
 }
 
-Result<std::vector<Component>> solve_components(const MergeProblem& problem,
-                                                std::vector<PairTask>& tasks,
-                                                const PoseGraphOptions& options) {
-    std::vector<const MergeCluster*> solved;
+/// The pose graph of the clusters with a model, and what it is made from.
+struct ClusterGraph {
+    std::vector<const MergeCluster*> clusters;  ///< ascending by id
     std::vector<std::size_t> sizes;
+    std::vector<PoseGraphEdge> edges;
+    std::vector<ClusterConstraint*> constraints;  ///< by edge
+};
+
+ClusterGraph graph_of(const MergeProblem& problem, std::vector<PairTask>& tasks) {
+    ClusterGraph graph;
     std::map<ClusterId, std::uint32_t> number;
     for (const MergeCluster& cluster : problem.clusters) {
         if (!has_model(cluster)) continue;
-        number[cluster.id] = static_cast<std::uint32_t>(solved.size());
-        solved.push_back(&cluster);
-        sizes.push_back(cluster.model->images.size());
+        number[cluster.id] = static_cast<std::uint32_t>(graph.clusters.size());
+        graph.clusters.push_back(&cluster);
+        graph.sizes.push_back(cluster.model->images.size());
     }
-    std::vector<PoseGraphEdge> edges;
-    std::vector<ClusterConstraint*> constraints;
     for (PairTask& task : tasks) {
         ClusterConstraint& constraint = task.constraint;
         constraint.used = false;
         if (!constraint.accepted()) continue;
-        edges.push_back({number.at(constraint.a), number.at(constraint.b), constraint.b_from_a,
-                         constraint.anchor_in_a, constraint.extent_in_a,
-                         static_cast<double>(constraint.inliers)});
-        constraints.push_back(&constraint);
+        graph.edges.push_back({number.at(constraint.a), number.at(constraint.b),
+                               constraint.b_from_a, constraint.anchor_in_a, constraint.extent_in_a,
+                               static_cast<double>(constraint.inliers)});
+        graph.constraints.push_back(&constraint);
     }
-    auto poses = solve_cluster_poses(edges, sizes, options);
+    return graph;
+}
+
+std::vector<ImagePair> image_pairs(const MergeProblem& problem) {
+    std::vector<ImagePair> pairs;
+    for (const ClusterPairEdges& between : problem.pairs) {
+        for (const VerifiedPairPtr& edge : between.edges) pairs.push_back(edge->pair);
+    }
+    std::ranges::sort(pairs);
+    return pairs;
+}
+
+/// Clusters that contradict each other where the constraints put them.
+std::vector<SignedEdge> contradictions_of(const ClusterGraph& graph, const ClusterPoses& poses,
+                                          std::span<const ImagePair> pairs,
+                                          const ClusterConstraintOptions& options) {
+    /// No constraint outweighs a contradiction.
+    constexpr double kNever = -1e12;
+    std::vector<SignedEdge> contradictions;
+    for (std::uint32_t component = 0; component < poses.component_count; ++component) {
+        std::vector<std::uint32_t> numbers;
+        std::vector<PlacedModel> models;
+        for (std::uint32_t c = 0; c < graph.clusters.size(); ++c) {
+            if (poses.component[c] != component) continue;
+            numbers.push_back(c);
+            models.push_back({graph.clusters[c]->model.get(), poses.component_from_cluster[c]});
+        }
+        for (const auto& [a, b] : find_contradictions(models, pairs, options))
+            contradictions.push_back({numbers[a], numbers[b], kNever});
+    }
+    return contradictions;
+}
+
+/// Leaves out the constraints between groups of clusters that contradict each other (ours):
+/// clusters are put together by the constraints with most inliers first, as long as none
+/// contradicts another.
+void keep_consistent(ClusterGraph& graph, std::vector<SignedEdge> contradictions) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> weights;
+    for (const PoseGraphEdge& edge : graph.edges)
+        weights[std::minmax(edge.a, edge.b)] += edge.weight;
+    for (const SignedEdge& edge : contradictions) weights[{edge.first, edge.second}] = edge.weight;
+    std::vector<SignedEdge> edges;
+    for (const auto& [ends, weight] : weights) edges.push_back({ends.first, ends.second, weight});
+    const std::vector<std::uint32_t> group = contract_signed_graph(graph.clusters.size(), edges);
+    std::size_t kept = 0;
+    for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+        if (group[graph.edges[e].a] != group[graph.edges[e].b]) continue;
+        graph.edges[kept] = graph.edges[e];
+        graph.constraints[kept++] = graph.constraints[e];
+    }
+    graph.edges.resize(kept);
+    graph.constraints.resize(kept);
+}
+
+Result<ClusterPoses> consistent_poses(ClusterGraph& graph, std::span<const ImagePair> pairs,
+                                      const MergeOptions& options) {
+    while (true) {
+        auto poses = solve_cluster_poses(graph.edges, graph.sizes, options.pose_graph);
+        if (!poses) return poses;
+        auto contradictions = contradictions_of(graph, *poses, pairs, options.constraint);
+        const std::size_t before = graph.edges.size();
+        if (!contradictions.empty()) keep_consistent(graph, std::move(contradictions));
+        // Each round leaves out a constraint at least.
+        if (graph.edges.size() == before) return poses;
+    }
+}
+
+Result<std::vector<Component>> solve_components(const MergeProblem& problem,
+                                                std::vector<PairTask>& tasks,
+                                                const MergeOptions& options) {
+    ClusterGraph graph = graph_of(problem, tasks);
+    const auto poses = consistent_poses(graph, image_pairs(problem), options);
     if (!poses) return poses.error();
-    for (std::size_t e = 0; e < edges.size(); ++e) constraints[e]->used = poses->used[e];
+    for (std::size_t e = 0; e < graph.edges.size(); ++e)
+        graph.constraints[e]->used = poses->used[e];
     std::vector<Component> components(poses->component_count);
-    for (std::size_t c = 0; c < solved.size(); ++c) {
+    for (std::size_t c = 0; c < graph.clusters.size(); ++c) {
         Component& component = components[poses->component[c]];
-        component.clusters.push_back(solved[c]);
+        component.clusters.push_back(graph.clusters[c]);
         component.component_from_cluster.push_back(poses->component_from_cluster[c]);
-        component.placed += sizes[c];
+        component.placed += graph.sizes[c];
     }
     std::ranges::sort(components, [](const Component& x, const Component& y) {
         return std::tuple(y.placed, x.clusters.front()->id) <
@@ -209,7 +286,7 @@ Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& o
 
     std::vector<PairTask> tasks = list_pairs(problem);
     estimate_unknown(tasks, options.constraint);
-    auto components = solve_components(problem, tasks, options.pose_graph);
+    auto components = solve_components(problem, tasks, options);
     if (!components) return components.error();
 
     MergeResult result;

@@ -30,6 +30,11 @@ TEST(KdTree, EqualsASearchThroughAllPoints) {
                 if (k != excluded) expected = std::min(expected, (points[k] - at).norm());
             }
             ASSERT_DOUBLE_EQ(tree.nearest_distance(at, excluded), expected);
+            std::vector<std::uint32_t> within;
+            for (std::uint32_t k = 0; k < count; ++k) {
+                if ((points[k] - at).norm() < 2.5) within.push_back(k);
+            }
+            EXPECT_EQ(tree.nearer_than(at, 2.5), within);
             if (std::isinf(expected)) continue;
             EXPECT_FALSE(tree.has_nearer(at, 0.999 * expected, excluded));
             EXPECT_TRUE(tree.has_nearer(at, 1.001 * expected, excluded));
@@ -40,6 +45,7 @@ TEST(KdTree, EqualsASearchThroughAllPoints) {
 TEST(KdTree, EmptyIsInfinitelyFar) {
     EXPECT_TRUE(std::isinf(KdTree().nearest_distance(Eigen::Vector3d::Zero())));
     EXPECT_FALSE(KdTree().has_nearer(Eigen::Vector3d::Zero(), 1e300));
+    EXPECT_TRUE(KdTree().nearer_than(Eigen::Vector3d::Zero(), 1e300).empty());
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "graph/reconstruction.h"
+#include "graph/sim3.h"
+#include "graph/two_view_geometry.h"
+#include "stages/merge/merge_options.h"
+
+namespace psfm {
+
+/// A cluster in the frame of its component.
+struct PlacedModel {
+    const Reconstruction* model = nullptr;
+    Sim3 component_from_cluster;
+};
+
+/// Clusters of one component that cannot both stand where they do: most cameras of one that come to
+/// stand beside cameras of the other, looking the same way, share nothing with them. Not only of
+/// neighbours: a small cluster of a facade that two streets have may stand right beside either.
+/// @param edges  of the view graph, ascending by images; those within clusters may be left out
+/// @return pairs of positions in `models`, ascending
+/// Deterministic on any number of threads. Thread-safe. Cost: one search an image among all
+/// centres, and one pass over all observations.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contradictions(
+    std::span<const PlacedModel> models, std::span<const ImagePair> edges,
+    const ClusterConstraintOptions& options);
+
+}  // namespace psfm
