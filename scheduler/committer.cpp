@@ -3,14 +3,12 @@
 #include "scheduler/committer.h"
 
 #include <algorithm>
-#include <set>
 
 #include "scheduler/describe_events.h"
 #include "scheduler/encode_state.h"
 #include "scheduler/event_log.h"
 #include "scheduler/make_problems.h"
-#include "stages/clustering/host_cluster.h"
-#include "stages/clustering/update_clustering.h"
+#include "stages/clustering/keep_apart.h"
 #include "stages/features/assign_camera.h"
 
 namespace psfm {
@@ -20,10 +18,6 @@ namespace {
 /// Raised: fewer versions while images stream in faster than they are solved, later ones; lowered:
 /// the cost of an image grows with the session. Ours.
 constexpr std::uint32_t kImagesPerWaiting = 25;
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 }  // namespace
 
@@ -122,45 +116,6 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     return {};
 }
 
-Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*output*/) {
-    if (!message.pairs->ok()) return message.pairs->error();
-    const auto start = Clock::now();
-    const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
-    const ImageId image = message.image;
-    ++state_.verified;
-    const EdgeChanges edges =
-        select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges);
-    const ClusteringEdit edit =
-        update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering);
-    const std::size_t untouched = state_.clusters.entries().size();
-    std::vector<ClusterId> rehosted;
-    const std::vector<ClusterChange> changes =
-        state_.clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
-    for (const ClusterChange& change : changes) tell(describe_change(change));
-    state_.counts.solves_skipped += static_cast<std::uint32_t>(
-        untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
-
-    std::set<ClusterId> dirty;
-    for (const ClusterMembers& cluster : edit.changed) dirty.insert(cluster.id);
-    dirty.insert(rehosted.begin(), rehosted.end());
-    const std::vector<ClusterId> shaken = clusters_resting_on(edges.removed, dirty);
-    state_.clusters.make_dirty(shaken);
-    dirty.insert(shaken.begin(), shaken.end());
-    std::vector<StoredCluster> changed;
-    changed.reserve(dirty.size());
-    for (const ClusterId id : dirty) changed.push_back(stored(state_.clusters.entries().at(id)));
-    if (const auto done = store_->commit_pairs(image, pairs, changed, edit.removed); !done.ok())
-        return done;
-    PendingImage& pending = state_.pending[index_of(image)];
-    pending.verified = true;
-    pending.report.retrieve_ms = message.retrieve_ms;
-    pending.report.verify_ms = message.verify_ms;
-    pending.report.cluster_ms = milliseconds_since(start);
-    release_early(pending);
-    changed_ = true;
-    return {};
-}
-
 void Committer::release_early(PendingImage& verified) {
     if (config_.deterministic || !verified.admitted) return;
     const auto waiting = std::ranges::count_if(
@@ -168,46 +123,6 @@ void Committer::release_early(PendingImage& verified) {
     if (static_cast<std::uint32_t>(waiting) >= state_.verified / kImagesPerWaiting) return;
     verified.admitted = false;
     ++images_released_;
-}
-
-std::vector<ClusterId> Committer::clusters_resting_on(std::span<const ImagePair> removed,
-                                                      const std::set<ClusterId>& except) const {
-    std::set<ClusterId> clusters;
-    for (const ImagePair& pair : removed) {
-        const ClusterEntry& entry = state_.clusters.of(pair.first);
-        const bool inside = entry.id == state_.clusters.of(pair.second).id;
-        if (inside && !entry.material.empty() && !except.contains(entry.id))
-            clusters.insert(entry.id);
-    }
-    return {clusters.begin(), clusters.end()};
-}
-
-std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
-                                               const ClusteringEdit& edit) {
-    const std::uint32_t mu_min = options_.solve.mu_min;
-    std::vector<ImageId> changed(touched.begin(), touched.end());
-    std::vector<ClusterId> clusters = edit.removed;
-    for (const MovedMembers& moved : edit.moved) {
-        changed.insert(changed.end(), moved.members.begin(), moved.members.end());
-    }
-    for (const ClusterMembers& cluster : edit.changed) {
-        clusters.push_back(cluster.id);
-        // A cluster that has just become large enough was in parts below mu_min before.
-        const bool is_new_host = state_.clusters.entries().at(cluster.id).revision == 0;
-        if (cluster.members.size() < mu_min || is_new_host) {
-            changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
-        }
-    }
-    const std::vector<ImageId> guests = state_.clusters.guests_of(clusters);
-    changed.insert(changed.end(), guests.begin(), guests.end());
-    std::vector<std::pair<ImageId, std::optional<ClusterId>>> hosts;
-    for (const ImageId image :
-         images_to_host_again(state_.view_graph, state_.clustering, changed, mu_min)) {
-        if (state_.clusters.stays_adopted(image)) continue;
-        hosts.emplace_back(image,
-                           host_cluster(state_.view_graph, state_.clustering, image, mu_min));
-    }
-    return state_.clusters.set_hosts(hosts);
 }
 
 Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*/) {
@@ -255,13 +170,23 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
     events_.push_back(
         describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;
-    if (entry == nullptr) return {};
+    if (entry == nullptr) {
+        const StoredEdit edit = separate(*message.problem, *message.solution);
+        const bool changes = !edit.changed.empty() || !edit.removed.empty();
+        return changes ? store_->commit_clusters(edit) : Result<void>();
+    }
     StoredSolution stored_solution;
     stored_solution.cluster = entry->id;
     stored_solution.revision = entry->revision;
     stored_solution.model = entry->model;
     stored_solution.state_json = encode_solve_state({solution.state, entry->settled});
-    return store_->commit_solution(stored_solution, stored(*entry));
+    // What is found of places may change the clusters, and may be the end of this one.
+    StoredCluster own = stored(*entry);
+    StoredEdit edit = separate(*message.problem, *message.solution);
+    std::erase_if(edit.changed, [&](const StoredCluster& c) { return c.id == own.id; });
+    const auto still = state_.clusters.entries().find(own.id);
+    if (still != state_.clusters.entries().end()) own = stored(still->second);
+    return store_->commit_solution(stored_solution, own, edit);
 }
 
 Result<void> Committer::on(const EndOfPhotos& message, CommitOutput& /*output*/) {
@@ -328,6 +253,7 @@ StoredCluster Committer::stored(const ClusterEntry& entry) const {
     cluster.revision = entry.revision;
     cluster.transfer_topology = entry.transfer_topology;
     cluster.adopted = state_.clusters.adopted_by(entry);
+    cluster.apart = apart_pairs_of(state_.edges, entry.members);
     for (const auto& [source, revision] : entry.brought) {
         if (source != entry.id) cluster.recycled.push_back({source, revision});
     }

@@ -52,6 +52,12 @@ class Committer {
 
     Result<void> reject(const ExtractedMessage& message, const std::string& reason,
                         std::uint64_t hash, CommitOutput& output);
+    /// Keeps images apart that a model shows beside each other and that are of different places,
+    /// and takes that back where a model says otherwise. @return what is to be stored for that
+    StoredEdit separate(const ClusterProblem& problem, const Result<ClusterSolution>& solution);
+    /// Takes over what changed in the view graph.
+    /// @param others  clusters whose records changed as well
+    StoredEdit apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
     /// Guests of large clusters after a change. @return clusters that got or lost one
     std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
                                         const ClusteringEdit& edit);

@@ -94,6 +94,32 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     return event;
 }
 
+SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolution& solution,
+                             std::span<const Image> images) {
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kPlaces;
+    event.clusters = {index_of(problem.cluster)};
+    event.text = "cluster " + std::to_string(index_of(problem.cluster)) + " shows " +
+                 std::to_string(solution.places.size()) +
+                 " places side by side, whose images share nothing:";
+    nlohmann::json sizes = nlohmann::json::array();
+    constexpr std::size_t kShown = 3;
+    for (const std::vector<ImageId>& place : solution.places) {
+        const std::string& name = images[index_of(place.front())].name;
+        if (sizes.size() < kShown) {
+            event.images.push_back(name);
+            event.text += std::string(sizes.empty() ? " that of " : ", ") + name + " (" +
+                          std::to_string(place.size()) + " images)";
+        }
+        sizes.push_back(place.size());
+    }
+    if (sizes.size() > kShown)
+        event.text += " and " + std::to_string(sizes.size() - kShown) + " more";
+    event.text += "; they are kept apart";
+    event.detail_json = nlohmann::json{{"places", sizes}}.dump();
+    return event;
+}
+
 SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const std::string& name) {
     SessionEvent event;
     event.kind = SessionEvent::Kind::kAdopt;

@@ -20,6 +20,11 @@ SessionEvent describe_change(const ClusterChange& change);
 SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution& solution,
                             std::span<const Image> images);
 
+/// A model in which images of different places stand side by side. REQUIRES: the solution names
+/// places
+SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolution& solution,
+                             std::span<const Image> images);
+
 /// An image that `from` could not place goes to another cluster.
 SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const std::string& name);
 

@@ -48,6 +48,8 @@ const char* name_of(SessionEvent::Kind kind) {
             return "transfer";
         case SessionEvent::Kind::kAdopt:
             return "adopt";
+        case SessionEvent::Kind::kPlaces:
+            return "places";
         case SessionEvent::Kind::kSolve:
             return "solve";
     }

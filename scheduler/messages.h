@@ -126,7 +126,16 @@ struct ImageReport {
 
 /// Something that happened to a cluster or a photograph, for people.
 struct SessionEvent {
-    enum class Kind : std::uint8_t { kRejected, kJoin, kSplit, kReset, kTransfer, kAdopt, kSolve };
+    enum class Kind : std::uint8_t {
+        kRejected,
+        kJoin,
+        kSplit,
+        kReset,
+        kTransfer,
+        kAdopt,
+        kPlaces,
+        kSolve
+    };
     Kind kind{};
     std::string text;                 ///< one sentence
     std::vector<std::string> images;  ///< names concerned, at most a few

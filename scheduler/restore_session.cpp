@@ -5,6 +5,7 @@
 #include "scheduler/encode_state.h"
 #include "scheduler/session_state.h"
 #include "stages/clustering/host_cluster.h"
+#include "stages/clustering/keep_apart.h"
 #include "stages/features/assign_camera.h"
 
 namespace psfm {
@@ -55,6 +56,19 @@ Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionO
         if (!pairs.ok()) return pairs.error();
         select_edges(state.edges, state.view_graph, image, *pairs, options);
     }
+    const auto clusters = store.clusters();
+    if (!clusters.ok()) return clusters.error();
+    PlaceVerdict known;
+    for (const StoredCluster& cluster : *clusters) {
+        for (const ImagePair& pair : cluster.apart) {
+            if (index_of(pair.second) >= state.verified)
+                return Error{ErrorCode::kDamaged, "cluster " +
+                                                      std::to_string(index_of(cluster.id)) +
+                                                      " keeps an image apart that has no pairs"};
+            known.apart.push_back(pair);
+        }
+    }
+    keep_apart(state.edges, state.view_graph, known);
     return {};
 }
 

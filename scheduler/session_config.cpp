@@ -50,9 +50,11 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.plausibility.reset();
         options.solve.settling.images_for_principal_point = 0;
         options.solve.max_reset_images = 0.0;
+        options.solve.places.min_contradictions = 0;
         options.solve.rejoin_from_images = std::numeric_limits<std::uint32_t>::max();
         options.verification.enough_pairs = 0;
         options.merge.constraint.border_cameras = 0;
+        options.merge.constraint.min_unmatched_cameras = 0;
     } else if (config.preset != "default") {
         return Error{ErrorCode::kInvalidArgument,
                      "unknown preset '" + config.preset + "'; there are default and paper"};

@@ -3,6 +3,7 @@
 #include "storage/cluster_records.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "storage/compact_list.h"
 #include "storage/flat_payload.h"
@@ -19,6 +20,13 @@ const char* problem_of(const StoredCluster& cluster) {
             return std::ranges::binary_search(cluster.members, image);
         })) {
         return "cluster has adopted a member";
+    }
+    if (std::ranges::adjacent_find(cluster.apart, std::greater_equal<>{}) != cluster.apart.end() ||
+        std::ranges::any_of(cluster.apart, [&](const ImagePair& pair) {
+            return pair.first >= pair.second ||
+                   !std::ranges::binary_search(cluster.members, pair.first);
+        })) {
+        return "pairs of different places are not ascending, or not of its members";
     }
     if (cluster.solved_topology > cluster.topology ||
         cluster.transfer_topology > cluster.topology) {
@@ -47,9 +55,16 @@ Result<std::string> encode_cluster(const ClusterRecord& record) {
     const auto adopted = cluster.adopted.empty()
                              ? flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>>()
                              : builder.CreateVector(encode_members(cluster.adopted));
+    numbers.clear();
+    for (const ImagePair& pair : cluster.apart) {
+        numbers.push_back(index_of(pair.first));
+        numbers.push_back(index_of(pair.second));
+    }
+    const auto apart = numbers.empty() ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>()
+                                       : builder.CreateVector(numbers);
     builder.Finish(records::CreateCluster(builder, members, cluster.topology,
                                           cluster.solved_topology, cluster.revision, record.removed,
-                                          cluster.transfer_topology, recycled, adopted));
+                                          cluster.transfer_topology, recycled, adopted, apart));
     return finished(builder);
 }
 
@@ -79,6 +94,13 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
         auto images = decode_members(bytes_of(*adopted));
         if (!images) return damaged_payload("list of adopted images is broken");
         result.cluster.adopted = std::move(*images);
+    }
+    if (const auto* apart = record->apart()) {
+        if (apart->size() % 2 != 0) return damaged_payload("list of pairs apart is broken");
+        for (flatbuffers::uoffset_t i = 0; i < apart->size(); i += 2) {
+            result.cluster.apart.push_back(
+                {static_cast<ImageId>(apart->Get(i)), static_cast<ImageId>(apart->Get(i + 1))});
+        }
     }
     if (const char* problem = problem_of(result.cluster)) return damaged_payload(problem);
     return result;

@@ -69,6 +69,15 @@ struct StoredCluster {
     /// Members of other clusters that could not be placed there and are tried against this one,
     /// ascending.
     std::vector<ImageId> adopted;
+    /// Pairs of images that are of different places (keep_apart), the first of them a member;
+    /// ascending.
+    std::vector<ImagePair> apart = {};
+};
+
+/// What an edit of the clustering leaves to be stored.
+struct StoredEdit {
+    std::vector<StoredCluster> changed;  ///< full records, ascending by id
+    std::vector<ClusterId> removed;      ///< ascending
 };
 
 /// A solution of one cluster, as the solve stage left it.
@@ -184,9 +193,12 @@ class SessionStore : public SessionReader {
     virtual Result<void> commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
                                       const std::vector<StoredCluster>& changed,
                                       const std::vector<ClusterId>& removed) = 0;
-    /// Commit point 4: a solution, and its cluster's record (solved_topology, revision).
+    /// Commit point 4: a solution, its cluster's record (solved_topology, revision), and what the
+    /// solution changed in the clustering: other clusters, or removed ones, its own perhaps.
     virtual Result<void> commit_solution(const StoredSolution& solution,
-                                         const StoredCluster& cluster) = 0;
+                                         const StoredCluster& cluster, const StoredEdit& edit) = 0;
+    /// The same of a solution that is not kept, since its cluster has changed meanwhile.
+    virtual Result<void> commit_clusters(const StoredEdit& edit) = 0;
     /// Commit point 5: a published version, and the full records of clusters that publishing it
     /// changed.
     virtual Result<void> commit_scene(const StoredSceneVersion& version,

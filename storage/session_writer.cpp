@@ -79,10 +79,10 @@ Result<void> SessionWriter::commit_rejected(const RejectedPhoto& photo) {
     return write(batch);
 }
 
-Result<std::map<ClusterId, ClusterRecord>> SessionWriter::edited_clusters(
+Result<SessionWriter::ClusterRecords> SessionWriter::edited_clusters(
     ImageId image, const std::vector<StoredCluster>& changed,
     const std::vector<ClusterId>& removed) const {
-    std::map<ClusterId, ClusterRecord> edited;
+    ClusterRecords edited;
     for (const StoredCluster& cluster : changed) {
         const auto known = state_.clusters.find(cluster.id);
         if (known != state_.clusters.end() && known->second.removed) {
@@ -105,6 +105,24 @@ Result<std::map<ClusterId, ClusterRecord>> SessionWriter::edited_clusters(
     return edited;
 }
 
+Result<SessionWriter::ClusterRecords> SessionWriter::edited_clusters(const StoredEdit& edit) const {
+    const auto latest_image = static_cast<ImageId>(std::max(1U, state_.verified_count) - 1);
+    return edited_clusters(latest_image, edit.changed, edit.removed);
+}
+
+void SessionWriter::put_clusters(Batch& batch, const ClusterRecords& edited,
+                                 std::vector<SolutionKey>& marked) const {
+    for (const auto& [id, record] : edited) {
+        batch.put(Family::kClusters, RecordKind::kCluster, encode_key(id), encode_cluster(record));
+        if (record.removed) supersede(batch, {id, record.cluster.revision}, marked);
+    }
+}
+
+void SessionWriter::take_over(ClusterRecords edited, const std::vector<SolutionKey>& marked) {
+    for (auto& [id, record] : edited) state_.clusters.insert_or_assign(id, std::move(record));
+    state_.superseded.insert(marked.begin(), marked.end());
+}
+
 Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
                                          const std::vector<StoredCluster>& changed,
                                          const std::vector<ClusterId>& removed) {
@@ -112,19 +130,26 @@ Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<Verifi
         return refused("pairs of " + name(image) + " are not the next ones, of image " +
                        std::to_string(state_.verified_count));
     }
-    const auto edited = edited_clusters(image, changed, removed);
+    auto edited = edited_clusters(image, changed, removed);
     if (!edited) return edited.error();
     Batch batch(database());
     batch.put(Family::kPairs, RecordKind::kPairs, encode_key(image), encode_pairs(image, pairs));
     std::vector<SolutionKey> marked;
-    for (const auto& [id, record] : *edited) {
-        batch.put(Family::kClusters, RecordKind::kCluster, encode_key(id), encode_cluster(record));
-        if (record.removed) supersede(batch, {id, record.cluster.revision}, marked);
-    }
+    put_clusters(batch, *edited, marked);
     if (auto written = write(batch); !written) return written;
     ++state_.verified_count;
-    for (const auto& [id, record] : *edited) state_.clusters.insert_or_assign(id, record);
-    state_.superseded.insert(marked.begin(), marked.end());
+    take_over(*std::move(edited), marked);
+    return {};
+}
+
+Result<void> SessionWriter::commit_clusters(const StoredEdit& edit) {
+    auto edited = edited_clusters(edit);
+    if (!edited) return edited.error();
+    Batch batch(database());
+    std::vector<SolutionKey> marked;
+    put_clusters(batch, *edited, marked);
+    if (auto written = write(batch); !written) return written;
+    take_over(*std::move(edited), marked);
     return {};
 }
 
@@ -139,7 +164,7 @@ void SessionWriter::supersede(Batch& batch, const SolutionKey& key,
 }
 
 Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
-                                            const StoredCluster& cluster) {
+                                            const StoredCluster& cluster, const StoredEdit& edit) {
     const SolutionKey key{solution.cluster, solution.revision};
     if (solution.cluster != cluster.id || solution.revision != cluster.revision) {
         return refused("solution and record of " + name(cluster.id) + " do not belong together");
@@ -151,28 +176,29 @@ Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
         return refused("revision " + std::to_string(solution.revision) + " of " + name(cluster.id) +
                        " is not above " + std::to_string(before));
     }
+    auto edited = edited_clusters(edit);
+    if (!edited) return edited.error();
     // A removed cluster stays removed: its late solution is material for others (FORMAT.md section
-    // 5).
-    const bool removed = known != state_.clusters.end() && known->second.removed;
+    // 5). It may also be this very solution that removes it.
+    const bool was_removed = known != state_.clusters.end() && known->second.removed;
+    const bool removed = was_removed || edited->contains(cluster.id);
     ClusterRecord record{cluster, removed};
-    if (removed) {
+    if (was_removed) {
         record.cluster = known->second.cluster;
         record.cluster.revision = solution.revision;
     }
+    edited->insert_or_assign(cluster.id, std::move(record));
     const Reconstruction empty;
     const Reconstruction& model = solution.model ? *solution.model : empty;
     Batch batch(database());
     batch.put(Family::kSolutions, RecordKind::kPoses, encode_key(key), encode_poses(model));
     batch.put(Family::kPoints, RecordKind::kPoints, encode_key(key),
               encode_points(model, solution.state_json));
-    batch.put(Family::kClusters, RecordKind::kCluster, encode_key(cluster.id),
-              encode_cluster(record));
     std::vector<SolutionKey> marked;
+    put_clusters(batch, *edited, marked);
     supersede(batch, {cluster.id, before}, marked);
-    if (removed) supersede(batch, key, marked);
     if (auto written = write(batch); !written) return written;
-    state_.clusters.insert_or_assign(cluster.id, std::move(record));
-    state_.superseded.insert(marked.begin(), marked.end());
+    take_over(*std::move(edited), marked);
     return {};
 }
 
@@ -210,8 +236,7 @@ Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
                                          const std::vector<StoredCluster>& changed) {
     if (auto checked = check_scene(version); !checked) return checked;
     // Changes follow from what is committed: from all verified images, of which there are some.
-    const auto latest_image = static_cast<ImageId>(std::max(1U, state_.verified_count) - 1);
-    const auto edited = edited_clusters(latest_image, changed, {});
+    auto edited = edited_clusters({changed, {}});
     if (!edited) return edited.error();
     const SceneRecord* latest = state_.scene ? &*state_.scene : nullptr;
     SceneRecord record{version, points_kept_by(version, latest, history_)};
@@ -237,7 +262,7 @@ Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
     }
     if (auto written = write(batch); !written) return written;
     state_.scene = std::move(record);
-    for (const auto& [id, cluster] : *edited) state_.clusters.insert_or_assign(id, cluster);
+    take_over(*std::move(edited), {});
     for (const SolutionKey& key : settled) state_.superseded.erase(key);
     return {};
 }

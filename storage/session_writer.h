@@ -40,8 +40,9 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     Result<void> commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
                               const std::vector<StoredCluster>& changed,
                               const std::vector<ClusterId>& removed) override;
-    Result<void> commit_solution(const StoredSolution& solution,
-                                 const StoredCluster& cluster) override;
+    Result<void> commit_solution(const StoredSolution& solution, const StoredCluster& cluster,
+                                 const StoredEdit& edit) override;
+    Result<void> commit_clusters(const StoredEdit& edit) override;
     Result<void> commit_scene(const StoredSceneVersion& version,
                               const std::vector<StoredCluster>& changed) override;
 
@@ -54,9 +55,14 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     Result<void> write(Batch& batch);
     Error refused(const std::string& why) const;
     Result<void> check_scene(const StoredSceneVersion& version) const;
-    Result<std::map<ClusterId, ClusterRecord>> edited_clusters(
-        ImageId image, const std::vector<StoredCluster>& changed,
-        const std::vector<ClusterId>& removed) const;
+    using ClusterRecords = std::map<ClusterId, ClusterRecord>;
+    Result<ClusterRecords> edited_clusters(ImageId image, const std::vector<StoredCluster>& changed,
+                                           const std::vector<ClusterId>& removed) const;
+    /// The same where all images with committed pairs may be in clusters.
+    Result<ClusterRecords> edited_clusters(const StoredEdit& edit) const;
+    void put_clusters(Batch& batch, const ClusterRecords& edited,
+                      std::vector<SolutionKey>& marked) const;
+    void take_over(ClusterRecords edited, const std::vector<SolutionKey>& marked);
     void supersede(Batch& batch, const SolutionKey& key, std::vector<SolutionKey>& marked) const;
     void drop_solution(Batch& batch, const SolutionKey& key) const;
 

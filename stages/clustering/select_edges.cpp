@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cassert>
 #include <set>
+#include <utility>
+
+#include "stages/clustering/apply_selection.h"
 
 namespace psfm {
 namespace {
@@ -13,24 +16,23 @@ Error invalid(const char* what) {
     return {ErrorCode::kInvalidArgument, std::string("edge selection: ") + what};
 }
 
-bool is_edge(const EdgeSelection& selection, ImageId a, ImageId b, double plausible,
-             const EdgeSelectionOptions& options) {
+bool is_plausible(const EdgeSelection& selection, ImageId a, ImageId b, double plausible,
+                  const EdgeSelectionOptions& options) {
     const double reached = std::min(selection.best[index_of(a)], selection.best[index_of(b)]);
     return plausible >= options.min_relative_plausibility * reached;
 }
 
-/// Takes out the edges of an image that its best pair has outdone.
-void drop_outdone(EdgeSelection& selection, ViewGraph& graph, ImageId image,
-                  const EdgeSelectionOptions& options, std::set<ImagePair>& removed) {
+/// Takes out the pairs of an image that its best pair has outdone.
+void drop_outdone(EdgeSelection& selection, ImageId image, const EdgeSelectionOptions& options,
+                  std::set<ImagePair>& changed) {
     std::vector<EdgeSelection::Edge>& edges = selection.edges[index_of(image)];
     const auto outdone = std::ranges::stable_partition(edges, [&](const EdgeSelection::Edge& edge) {
-        return is_edge(selection, image, edge.neighbor, edge.plausibility, options);
+        return is_plausible(selection, image, edge.neighbor, edge.plausibility, options);
     });
     for (const EdgeSelection::Edge& edge : outdone) {
-        graph.remove_edge(image, edge.neighbor);
         std::erase_if(selection.edges[index_of(edge.neighbor)],
                       [&](const EdgeSelection::Edge& back) { return back.neighbor == image; });
-        removed.insert(ImagePair::of(image, edge.neighbor));
+        changed.insert(ImagePair::of(image, edge.neighbor));
     }
     edges.erase(outdone.begin(), outdone.end());
 }
@@ -51,6 +53,8 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
     assert(added == image);
     selection.edges.resize(graph.size());
     selection.best.resize(graph.size(), 0.0);
+    selection.apart.resize(graph.size());
+    selection.outvoted.resize(graph.size());
 
     std::vector<ImageId> risen{image};
     const auto raise_best = [&](ImageId of, double plausible) {
@@ -68,20 +72,22 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
         raise_best(pair->pair.first, plausible);
         raise_best(pair->pair.second, plausible);
     }
-    std::set<ImageId> changed{image};
+    std::set<ImagePair> changed;
     for (const VerifiedPairPtr& pair : pairs) {
         const auto [a, b] = pair->pair;
         const double plausible = plausibility(pair->geometry, options.plausibility);
-        if (!is_strong(pair) || !is_edge(selection, a, b, plausible, options)) continue;
-        graph.add_edge(a, b, static_cast<double>(pair->geometry.inliers.size()), pair);
-        selection.edges[index_of(a)].push_back({b, plausible});
-        selection.edges[index_of(b)].push_back({a, plausible});
-        changed.insert({a, b});
+        if (!is_strong(pair) || !is_plausible(selection, a, b, plausible, options)) continue;
+        selection.edges[index_of(a)].push_back({b, plausible, pair});
+        selection.edges[index_of(b)].push_back({a, plausible, pair});
+        changed.insert(pair->pair);
     }
-    std::set<ImagePair> removed;
-    for (const ImageId neighbor : risen) drop_outdone(selection, graph, neighbor, options, removed);
-    for (const auto& [a, b] : removed) changed.insert({a, b});
-    return {{changed.begin(), changed.end()}, {removed.begin(), removed.end()}};
+    for (const ImageId neighbor : risen) drop_outdone(selection, neighbor, options, changed);
+    std::set<ImageId> recount;
+    for (const auto& [a, b] : changed) recount.insert({a, b});
+    EdgeChanges changes = apply_selection(selection, graph, recount, std::move(changed));
+    const auto at = std::ranges::lower_bound(changes.images, image);
+    if (at == changes.images.end() || *at != image) changes.images.insert(at, image);
+    return changes;
 }
 
 }  // namespace psfm

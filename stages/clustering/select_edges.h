@@ -30,22 +30,32 @@ struct EdgeSelectionOptions {
 
 Result<void> validate(const EdgeSelectionOptions& options);
 
-/// All pairs that have enough inliers, in the view graph or not: a value, owned by one serial node.
-/// Invariant, with the graph and options of the last call: `best[i]` is the largest plausibility of
-/// the pairs of image i, and a pair is an edge iff it reaches min_relative_plausibility times the
-/// smaller of its images' best.
+/// The pairs of images that are plausible, in the view graph or not: a value, owned by one serial
+/// node. Invariants, with the graph and options of the last call:
+///   1. best[i] is the largest plausibility of the pairs of image i with enough inliers; a pair is
+///      plausible iff it reaches min_relative_plausibility times the smaller of its images' best.
+///   2. A pair is an edge of the graph iff it is plausible, its images are not known to be of
+///      different places, and neither image is outvoted for the other (outvoted_neighbors).
 struct EdgeSelection {
     struct Edge {
         ImageId neighbor{};
         double plausibility = 0.0;
+        VerifiedPairPtr pair;
     };
-    std::vector<std::vector<Edge>> edges;  ///< by image: those of the view graph
+    std::vector<std::vector<Edge>> edges;  ///< by image: plausible pairs
     std::vector<double> best;              ///< by image; 0 without a pair
+    /// By image, ascending: images that a model showed beside it and that are of another place
+    /// (keep_apart). Goes both ways.
+    std::vector<std::vector<ImageId>> apart;
+    std::size_t apart_count = 0;                 ///< pairs in apart
+    std::vector<std::vector<ImageId>> outvoted;  ///< by image, ascending: outvoted_neighbors
+
+    bool are_apart(ImageId a, ImageId b) const;
 };
 
-/// What an image changed in the view graph.
+/// What changed in the view graph.
 struct EdgeChanges {
-    std::vector<ImageId> images;     ///< whose edges changed, the new one among them; ascending
+    std::vector<ImageId> images;     ///< whose edges changed, a new one among them; ascending
     std::vector<ImagePair> removed;  ///< edges that are none any more, ascending
 };
 
@@ -55,7 +65,8 @@ struct EdgeChanges {
 /// neighbours arrive they go. No pair is judged for good: which pairs are edges depends on the set
 /// of images, not on the order of their arrival, and pairs stay in the store whatever becomes of
 /// them (paper sec. "Progressive Viewgraph": no rejection in the view graph). The paper has no such
-/// step; with min_relative_plausibility 0 there is none here.
+/// step; with min_relative_plausibility 0 there is none here. An image that has pairs with two
+/// places which are known to be different gets edges to one of them (outvoted_neighbors).
 ///
 /// @param pairs  of `image` with earlier images
 /// REQUIRES: image == graph.size(), the next one; valid options, the same at every call.

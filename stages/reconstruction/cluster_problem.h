@@ -105,6 +105,9 @@ struct ClusterSolution {
     SolveState state;
     std::vector<std::pair<ImageId, WaitReason>>
         waiting;  ///< members that are not in the model, ascending
+    /// Images of the model that show different places though they stand side by side in it, and are
+    /// not to be in one cluster (separate_places); empty: the model is of one place.
+    std::vector<std::vector<ImageId>> places;
     SolveStatistics statistics;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "graph/reconstruction.h"
 #include "stages/reconstruction/cluster_problem.h"
@@ -19,6 +20,8 @@ struct SolveAttempt {
     SolveState state;
     SolveStatistics statistics;
     Contradiction contradiction;
+    /// Of the model, where they have been looked for already.
+    std::optional<std::vector<std::vector<ImageId>>> places;
 };
 
 /// Whether a model that was recycled contradicts the averaged rotations, and something is to be

@@ -74,15 +74,19 @@ Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, cons
     } else if (placed_before >= options.rejoin_from_images) {
         WorkingModel trial = model;
         SolveState trial_state = state;
-        auto moved = rejoin_parts(trial, problem, graph, options, cancel, trial_state, statistics);
-        if (!moved.ok()) return moved.error();
+        SolveStatistics trial_statistics = statistics;
+        auto moved =
+            rejoin_parts(trial, problem, graph, options, cancel, trial_state, trial_statistics);
         // Else the cluster is solved new.
+        if (!moved.ok())
+            return moved.error().code == ErrorCode::kCancelled ? moved.error() : Result<void>();
         const Contradiction left = find_contradiction(trial, graph, max_deg);
         if (moved->empty() || 2 * left.beyond > before.beyond ||
             trial.registered_count() < placed_before - placed_before / 20)
             return {};
         model = std::move(trial);
         state = trial_state;
+        statistics = trial_statistics;
         images = *std::move(moved);
     } else {
         return {};

@@ -15,6 +15,7 @@
 #include "stages/reconstruction/mend_model.h"
 #include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
+#include "stages/reconstruction/separate_places.h"
 #include "stages/reconstruction/solve_global.h"
 #include "stages/reconstruction/tracks.h"
 
@@ -143,6 +144,19 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         attempt.state.images_at_full_adjustment = model.registered_count();
         return {};
     };
+    if (recycling.joined > 0) {
+        complete_tracks(model, recycling.images, options.tracks);
+        merge_tracks(model, recycling.images, options.tracks);
+        // What would only come apart again is not adjusted first.
+        const Reconstruction joined = model.save();
+        auto places = separate_places(joined, problem.pairs, options.places);
+        if (!places.empty()) {
+            finish(attempt, model, graph, options);
+            attempt.places = std::move(places);
+            attempt.statistics.kind = SolveKind::kTransfer;
+            return attempt;
+        }
+    }
     const auto joined = static_cast<double>(recycling.images.size());
     if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
         if (const auto done = refine(options.growth); !done.ok()) return done.error();
@@ -177,7 +191,7 @@ Result<SolveAttempt> solve_or_reset(const ClusterProblem& problem, const LocalGr
                                     const CorrespondenceGraph& matches, const SolveOptions& options,
                                     const std::atomic<bool>* cancel) {
     auto attempt = solve_recycled(problem, graph, matches, options, cancel);
-    if (!attempt.ok()) return attempt;
+    if (!attempt.ok() || attempt->places) return attempt;
     const auto reason = reason_to_reset(*attempt, problem, options);
     if (!reason) return attempt;
     auto fresh = solve_new(problem, graph, matches, options, cancel);
@@ -239,6 +253,9 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     }
     attempt.statistics.mean_error_px = mean_error_px(attempt.model);
     solution.waiting = waiting_images(problem, attempt.model, reason);
+    solution.places = attempt.places
+                          ? *std::move(attempt.places)
+                          : separate_places(attempt.model, problem.pairs, options.places);
     solution.model = std::make_shared<const Reconstruction>(std::move(attempt.model));
     solution.state = attempt.state;
     solution.statistics = attempt.statistics;

@@ -24,7 +24,7 @@ Result<void> validate(const SolveOptions& options) {
          {validate(options.absolute_pose), validate(options.tracks),
           validate(options.local_adjustment), validate(options.growth.adjustment),
           validate(options.settling.adjustment), validate(options.rotation_averaging),
-          validate(options.global)}) {
+          validate(options.global), validate(options.places)}) {
         if (!part.ok()) return part;
     }
     if (options.mu_min < 2)

@@ -14,6 +14,7 @@
 #include "stages/reconstruction/bundle_adjustment.h"
 #include "stages/reconstruction/calibrate_focals.h"
 #include "stages/reconstruction/filter_directions.h"
+#include "stages/reconstruction/place_options.h"
 #include "stages/reconstruction/triangulation.h"
 #include "stages/verification/verify_options.h"
 
@@ -128,9 +129,13 @@ struct SolveOptions {
     /// Part of the edges that may still contradict after that: at such places it is the averaged
     /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours.
     double max_contradicting_edges = 0.02;
+    /// When images that a model shows side by side are of different places.
+    PlaceOptions places;
     /// How two models that come together in a cluster are joined. Their cameras may interleave: the
-    /// clustering has found that they belong together.
-    ClusterConstraintOptions transfer{.min_neighborhood_similarity = 0.0};
+    /// clustering has found that they belong together; whether they do is asked of the joined model
+    /// (places).
+    ClusterConstraintOptions transfer{.min_neighborhood_similarity = 0.0,
+                                      .min_unmatched_cameras = 0};
     InitializationOptions initialization;
     AbsolutePoseOptions absolute_pose;
     TrackOptions tracks;

@@ -146,12 +146,29 @@ TEST(RecordCodec, ClustersComeBackAlike) {
         for (std::uint32_t adopted = 0; adopted < count % 4; ++adopted)
             cluster.adopted.push_back(
                 ImageId{index_of(cluster.members.back()) + 1 + 300 * adopted});
+        for (std::uint32_t pair = 0; pair < count % 5; ++pair)
+            cluster.apart.push_back({cluster.members[count / 2],
+                                     ImageId{index_of(cluster.members[count / 2]) + 1 + 9 * pair}});
         const auto decoded =
             decode_cluster(ClusterId{3}, *encode_cluster({cluster, count % 2 == 0}));
         ASSERT_TRUE(decoded.ok());
         EXPECT_TRUE(same(decoded->cluster, cluster));
         EXPECT_EQ(decoded->removed, count % 2 == 0);
     }
+}
+
+TEST(RecordCodec, PairsOfDifferentPlacesAreOrderedAndOfMembers) {
+    StoredCluster cluster;
+    cluster.members = {ImageId{2}, ImageId{5}};
+    const auto storable = [&](std::vector<ImagePair> apart) {
+        cluster.apart = std::move(apart);
+        return encode_cluster({cluster, false}).ok();
+    };
+    EXPECT_TRUE(storable({{ImageId{2}, ImageId{5}}, {ImageId{5}, ImageId{9}}}));
+    EXPECT_FALSE(storable({{ImageId{5}, ImageId{9}}, {ImageId{2}, ImageId{5}}}));
+    EXPECT_FALSE(storable({{ImageId{5}, ImageId{9}}, {ImageId{5}, ImageId{9}}}));
+    EXPECT_FALSE(storable({{ImageId{5}, ImageId{2}}}));
+    EXPECT_FALSE(storable({{ImageId{3}, ImageId{5}}})) << "image 3 is another cluster's";
 }
 
 TEST(RecordCodec, SolutionsComeBackAlike) {

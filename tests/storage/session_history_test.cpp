@@ -115,7 +115,7 @@ TEST(SessionHistory, KeepsThePointsOfTheSceneWhileNewerSolutionsWait) {
                             .ok());
             ASSERT_TRUE(store
                             ->commit_solution(testing::expected_solution(5),
-                                              testing::expected_cluster(5, true))
+                                              testing::expected_cluster(5, true), {})
                             .ok());
             EXPECT_EQ(kept_of(*store, 4), Kept::kPoints);
         }
@@ -185,7 +185,7 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
         std::make_shared<const Reconstruction>(testing::random_model(images, 10, rng));
     ASSERT_TRUE(store
                     ->commit_solution({ClusterId{1}, 1, model, ""},
-                                      {ClusterId{1}, images, 1, 1, 1, 0, {}, {}})
+                                      {ClusterId{1}, images, 1, 1, 1, 0, {}, {}}, {})
                     .ok());
     scene.version = 7;
     scene.placements[0].revision = 1;
@@ -220,7 +220,7 @@ TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
         cluster.revision += 1;
         const auto model =
             std::make_shared<const Reconstruction>(testing::random_model(cluster.members, 5, rng));
-        return store->commit_solution({cluster.id, cluster.revision, model, ""}, cluster).ok();
+        return store->commit_solution({cluster.id, cluster.revision, model, ""}, cluster, {}).ok();
     };
     StoredSceneVersion scene;
     scene.version = 100;

@@ -128,6 +128,67 @@ TEST(SessionStore, AVersionBringsTheClustersThatItChanged) {
     EXPECT_EQ(again->scene()->version, 7U);
 }
 
+TEST(SessionStore, ASolutionMayDivideItsCluster) {
+    const TemporaryFolder folder;
+    StoredCluster rest = testing::expected_cluster(4, true);
+    StoredCluster divided{ClusterId{1}, {rest.members.back()}, 1, 0, 0, 0, {}, {}};
+    {
+        const auto store = open(folder);
+        for (std::uint32_t image = 0; image < 4; ++image)
+            ASSERT_TRUE(testing::commit_all(*store, image));
+        ASSERT_TRUE(store
+                        ->commit_image(testing::expected_image(4), testing::expected_camera(),
+                                       testing::expected_keypoints(4),
+                                       testing::expected_descriptors(4))
+                        .ok());
+        ASSERT_TRUE(store
+                        ->commit_pairs(ImageId{4}, testing::expected_pairs(4),
+                                       {testing::expected_cluster(4, false)}, {})
+                        .ok());
+        rest.members.pop_back();
+        rest.apart = {{ImageId{0}, ImageId{4}}};
+        ++rest.topology;
+        ASSERT_TRUE(
+            store->commit_solution(testing::expected_solution(4), rest, {{divided}, {}}).ok());
+    }
+    {
+        const auto store = open(folder);
+        ASSERT_EQ(store->clusters()->size(), 2U);
+        EXPECT_TRUE(testing::same(store->clusters()->front(), rest));
+        EXPECT_TRUE(testing::same(store->clusters()->back(), divided));
+        EXPECT_EQ((*store->solution(ClusterId{0}))->revision, rest.revision);
+        // A later one finds that they belong together after all; nothing is solved for that.
+        rest.apart.clear();
+        rest.members.push_back(divided.members.front());
+        ++rest.topology;
+        EXPECT_FALSE(store->commit_clusters({{rest}, {ClusterId{7}}}).ok()) << "no such cluster";
+        ASSERT_TRUE(store->commit_clusters({{rest}, {ClusterId{1}}}).ok());
+    }
+    const auto store = open(folder);
+    ASSERT_EQ(store->clusters()->size(), 1U);
+    EXPECT_TRUE(testing::same(store->clusters()->front(), rest));
+    EXPECT_EQ(*store->next_cluster_id(), ClusterId{2});
+    EXPECT_TRUE(store->check({})->damaged.empty());
+}
+
+TEST(SessionStore, ASolutionMayBeTheEndOfItsCluster) {
+    const TemporaryFolder folder;
+    const auto store = open(folder);
+    for (std::uint32_t image = 0; image < 4; ++image)
+        ASSERT_TRUE(testing::commit_all(*store, image));
+    StoredCluster own = testing::expected_cluster(3, true);
+    const StoredCluster larger{
+        ClusterId{1}, own.members, 1, 0, 0, 0, {{own.id, own.revision + 1}}, {}};
+    ++own.revision;
+    StoredSolution solution = testing::expected_solution(3);
+    solution.revision = own.revision;
+    ASSERT_TRUE(store->commit_solution(solution, own, {{larger}, {own.id}}).ok());
+    ASSERT_EQ(store->clusters()->size(), 1U);
+    EXPECT_EQ(store->clusters()->front().id, larger.id);
+    EXPECT_NE(*store->recycled_model({own.id, own.revision}), nullptr) << "material for the other";
+    EXPECT_TRUE(store->check({})->damaged.empty());
+}
+
 TEST(SessionStore, RefusesCommitsOutOfOrder) {
     const TemporaryFolder folder;
     const auto store = open(folder);
@@ -154,8 +215,8 @@ TEST(SessionStore, RefusesCommitsOutOfOrder) {
     EXPECT_EQ(testing::difference(*store), "");
     EXPECT_TRUE(testing::commit_all(*store, 1));
     EXPECT_TRUE(testing::commit_all(*store, 2));
-    EXPECT_TRUE(refused(
-        store->commit_solution(testing::expected_solution(2), testing::expected_cluster(2, true))));
+    EXPECT_TRUE(refused(store->commit_solution(testing::expected_solution(2),
+                                               testing::expected_cluster(2, true), {})));
 }
 
 TEST(SessionStore, TakesImagesWithoutDescriptorsAndEmptySolutions) {
@@ -169,7 +230,7 @@ TEST(SessionStore, TakesImagesWithoutDescriptorsAndEmptySolutions) {
     ASSERT_TRUE(store->commit_pairs(ImageId{0}, {}, {cluster}, {}).ok());
     ASSERT_TRUE(store
                     ->commit_solution({ClusterId{5}, 1, nullptr, "{}"},
-                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1, 0, {}, {}})
+                                      {ClusterId{5}, {ImageId{0}}, 1, 1, 1, 0, {}, {}}, {})
                     .ok());
     EXPECT_EQ((*store->descriptors(ImageId{0}))->rows(), 0U);
     ASSERT_TRUE(store->solution(ClusterId{5})->has_value());
@@ -195,10 +256,10 @@ TEST(SessionStore, NeverBringsRemovedClustersBack) {
             store->commit_pairs(ImageId{4}, testing::expected_pairs(4), {successor}, {ClusterId{0}})
                 .ok());
         // A solve that was under way when the cluster was removed.
-        ASSERT_TRUE(
-            store
-                ->commit_solution(testing::expected_solution(4), testing::expected_cluster(4, true))
-                .ok());
+        ASSERT_TRUE(store
+                        ->commit_solution(testing::expected_solution(4),
+                                          testing::expected_cluster(4, true), {})
+                        .ok());
     }
     const auto store = open(folder);
     ASSERT_EQ(store->clusters()->size(), 1U);

@@ -114,7 +114,7 @@ bool commit_all(SessionStore& store, std::uint32_t image) {
         return false;
     }
     if (image + 1 >= kFirstSolved) {
-        if (!store.commit_solution(expected_solution(image), expected_cluster(image, true))) {
+        if (!store.commit_solution(expected_solution(image), expected_cluster(image, true), {})) {
             return false;
         }
     }
@@ -131,7 +131,7 @@ bool finish(SessionStore& store, std::uint32_t images) {
             return false;
         }
         if (count >= kFirstSolved && store.clusters()->front().solved_topology < count &&
-            !store.commit_solution(expected_solution(last), expected_cluster(last, true))) {
+            !store.commit_solution(expected_solution(last), expected_cluster(last, true), {})) {
             return false;
         }
         if (store.scene()->version < count && !store.commit_scene(expected_scene(last), {})) {

@@ -41,6 +41,9 @@ void Progress::on_publish(const PublishMessage& publish) {
             case SessionEvent::Kind::kReset:
                 say("reset: " + event.text);
                 break;
+            case SessionEvent::Kind::kPlaces:
+                say("places: " + event.text);
+                break;
             case SessionEvent::Kind::kJoin:
             case SessionEvent::Kind::kSplit:
             case SessionEvent::Kind::kTransfer:

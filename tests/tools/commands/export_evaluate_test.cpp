@@ -119,7 +119,7 @@ class SessionCommands : public testing::Test {
         StoredCluster cluster{
             placement.cluster, placement.members, revision, revision, revision, 0, {}, {}};
         EXPECT_TRUE(
-            store_->commit_solution({placement.cluster, revision, model, "{}"}, cluster).ok());
+            store_->commit_solution({placement.cluster, revision, model, "{}"}, cluster, {}).ok());
         return placement;
     }
 

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the committer does when edges of the view graph come and go: with a new image, and when a
+// model turns out to show two places.
+#include <algorithm>
+
+#include "scheduler/committer.h"
+#include "scheduler/describe_events.h"
+#include "stages/clustering/host_cluster.h"
+#include "stages/clustering/keep_apart.h"
+#include "stages/clustering/update_clustering.h"
+
+namespace psfm {
+namespace {
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*output*/) {
+    if (!message.pairs->ok()) return message.pairs->error();
+    const auto start = Clock::now();
+    const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
+    const ImageId image = message.image;
+    ++state_.verified;
+    const StoredEdit edit =
+        apply(select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges), {});
+    if (const auto done = store_->commit_pairs(image, pairs, edit.changed, edit.removed);
+        !done.ok())
+        return done;
+    PendingImage& pending = state_.pending[index_of(image)];
+    pending.verified = true;
+    pending.report.retrieve_ms = message.retrieve_ms;
+    pending.report.verify_ms = message.verify_ms;
+    pending.report.cluster_ms = milliseconds_since(start);
+    release_early(pending);
+    changed_ = true;
+    return {};
+}
+
+StoredEdit Committer::separate(const ClusterProblem& problem,
+                               const Result<ClusterSolution>& solution) {
+    if (!solution.ok()) return {};
+    std::vector<ImageId> images;
+    images.reserve(solution->model->images.size());
+    for (const RegisteredImage& image : solution->model->images) images.push_back(image.image);
+    const PlaceVerdict verdict = judge_places(state_.edges, images, solution->places);
+    if (verdict.empty()) return {};
+    if (!verdict.apart.empty()) tell(describe_places(problem, *solution, state_.images));
+    // The records of these hold the pairs.
+    std::set<ClusterId> holders;
+    for (const std::vector<ImagePair>* pairs : {&verdict.apart, &verdict.together}) {
+        for (const ImagePair& pair : *pairs)
+            holders.insert(state_.clustering.cluster_of[index_of(pair.first)]);
+    }
+    return apply(keep_apart(state_.edges, state_.view_graph, verdict), holders);
+}
+
+StoredEdit Committer::apply(const EdgeChanges& edges, const std::set<ClusterId>& others) {
+    const ClusteringEdit edit =
+        update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering);
+    const std::size_t untouched = state_.clusters.entries().size();
+    std::vector<ClusterId> rehosted;
+    const std::vector<ClusterChange> changes =
+        state_.clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
+    for (const ClusterChange& change : changes) tell(describe_change(change));
+    state_.counts.solves_skipped += static_cast<std::uint32_t>(
+        untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
+
+    std::set<ClusterId> dirty;
+    for (const ClusterMembers& cluster : edit.changed) dirty.insert(cluster.id);
+    dirty.insert(rehosted.begin(), rehosted.end());
+    const std::vector<ClusterId> shaken = clusters_resting_on(edges.removed, dirty);
+    state_.clusters.make_dirty(shaken);
+    dirty.insert(shaken.begin(), shaken.end());
+    dirty.insert(others.begin(), others.end());
+    StoredEdit result;
+    result.removed = edit.removed;
+    for (const ClusterId id : dirty) {
+        const auto entry = state_.clusters.entries().find(id);
+        if (entry != state_.clusters.entries().end())
+            result.changed.push_back(stored(entry->second));
+    }
+    return result;
+}
+
+std::vector<ClusterId> Committer::clusters_resting_on(std::span<const ImagePair> removed,
+                                                      const std::set<ClusterId>& except) const {
+    std::set<ClusterId> clusters;
+    for (const ImagePair& pair : removed) {
+        const ClusterEntry& entry = state_.clusters.of(pair.first);
+        const bool inside = entry.id == state_.clusters.of(pair.second).id;
+        if (inside && !entry.material.empty() && !except.contains(entry.id))
+            clusters.insert(entry.id);
+    }
+    return {clusters.begin(), clusters.end()};
+}
+
+std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
+                                               const ClusteringEdit& edit) {
+    const std::uint32_t mu_min = options_.solve.mu_min;
+    std::vector<ImageId> changed(touched.begin(), touched.end());
+    std::vector<ClusterId> clusters = edit.removed;
+    for (const MovedMembers& moved : edit.moved) {
+        changed.insert(changed.end(), moved.members.begin(), moved.members.end());
+    }
+    for (const ClusterMembers& cluster : edit.changed) {
+        clusters.push_back(cluster.id);
+        // A cluster that has just become large enough was in parts below mu_min before.
+        const bool is_new_host = state_.clusters.entries().at(cluster.id).revision == 0;
+        if (cluster.members.size() < mu_min || is_new_host) {
+            changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
+        }
+    }
+    const std::vector<ImageId> guests = state_.clusters.guests_of(clusters);
+    changed.insert(changed.end(), guests.begin(), guests.end());
+    std::vector<std::pair<ImageId, std::optional<ClusterId>>> hosts;
+    for (const ImageId image :
+         images_to_host_again(state_.view_graph, state_.clustering, changed, mu_min)) {
+        if (state_.clusters.stays_adopted(image)) continue;
+        hosts.emplace_back(image,
+                           host_cluster(state_.view_graph, state_.clustering, image, mu_min));
+    }
+    return state_.clusters.set_hosts(hosts);
+}
+
+}  // namespace psfm

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/clustering/keep_apart.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "stages/clustering/apply_selection.h"
+
+namespace psfm {
+namespace {
+
+void add_sorted(std::vector<ImageId>& images, ImageId image) {
+    images.insert(std::ranges::lower_bound(images, image), image);
+}
+
+void remove_sorted(std::vector<ImageId>& images, ImageId image) {
+    images.erase(std::ranges::lower_bound(images, image));
+}
+
+}  // namespace
+
+PlaceVerdict judge_places(const EdgeSelection& selection, std::span<const ImageId> images,
+                          std::span<const std::vector<ImageId>> places) {
+    const auto position_of = [&](ImageId image) -> std::optional<std::size_t> {
+        const auto found = std::ranges::lower_bound(images, image);
+        if (found == images.end() || *found != image) return std::nullopt;
+        return static_cast<std::size_t>(found - images.begin());
+    };
+    std::vector<std::uint32_t> place(images.size(), 0);  // from 1; 0: any
+    for (std::uint32_t number = 0; number < places.size(); ++number) {
+        for (const ImageId image : places[number]) {
+            if (const auto position = position_of(image)) place[*position] = number + 1;
+        }
+    }
+    PlaceVerdict verdict;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        for (const EdgeSelection::Edge& edge : selection.edges[index_of(images[i])]) {
+            if (edge.neighbor < images[i] || place[i] == 0) continue;
+            const auto other = position_of(edge.neighbor);
+            if (!other || place[*other] == 0 || place[*other] == place[i]) continue;
+            if (!selection.are_apart(images[i], edge.neighbor))
+                verdict.apart.push_back(ImagePair::of(images[i], edge.neighbor));
+        }
+        for (const ImageId neighbor : selection.apart[index_of(images[i])]) {
+            if (neighbor < images[i]) continue;
+            const auto other = position_of(neighbor);
+            if (other && place[*other] == place[i])
+                verdict.together.push_back(ImagePair::of(images[i], neighbor));
+        }
+    }
+    return verdict;
+}
+
+EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVerdict& verdict) {
+    for (const auto& [a, b] : verdict.apart) {
+        add_sorted(selection.apart[index_of(a)], b);
+        add_sorted(selection.apart[index_of(b)], a);
+    }
+    for (const auto& [a, b] : verdict.together) {
+        remove_sorted(selection.apart[index_of(a)], b);
+        remove_sorted(selection.apart[index_of(b)], a);
+    }
+    selection.apart_count += verdict.apart.size();
+    selection.apart_count -= verdict.together.size();
+    std::set<ImagePair> pairs(verdict.apart.begin(), verdict.apart.end());
+    pairs.insert(verdict.together.begin(), verdict.together.end());
+    std::set<ImageId> recount;
+    for (const auto& [a, b] : pairs) {
+        for (const ImageId image : {a, b}) {
+            recount.insert(image);
+            for (const EdgeSelection::Edge& edge : selection.edges[index_of(image)])
+                recount.insert(edge.neighbor);
+        }
+    }
+    return apply_selection(selection, graph, recount, std::move(pairs));
+}
+
+std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
+                                      std::span<const ImageId> images) {
+    std::vector<ImagePair> pairs;
+    if (selection.apart_count == 0) return pairs;
+    for (const ImageId image : images) {
+        for (const ImageId other : selection.apart[index_of(image)]) {
+            if (image < other) pairs.push_back({image, other});
+        }
+    }
+    return pairs;
+}
+
+}  // namespace psfm

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "stages/clustering/select_edges.h"
+
+namespace psfm {
+
+/// What a model says of the pairs of its images.
+struct PlaceVerdict {
+    std::vector<ImagePair> apart;     ///< are of different places; were not known to be
+    std::vector<ImagePair> together;  ///< are of one place; were taken for different ones
+    bool empty() const { return apart.empty() && together.empty(); }
+};
+
+/// Compares what is known with a model that was just solved.
+/// @param images  of the model, ascending
+/// @param places  images of different places among them, each ascending; the others are of any
+PlaceVerdict judge_places(const EdgeSelection& selection, std::span<const ImageId> images,
+                          std::span<const std::vector<ImageId>> places);
+
+/// Takes pairs of images that are of different places out of the view graph, and takes back those
+/// that are of one place after all. Every pair stays known; the images' other pairs are counted
+/// again (outvoted_neighbors).
+EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVerdict& verdict);
+
+/// The known pairs with their smaller image among `images` (ascending), ascending.
+std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
+                                      std::span<const ImageId> images);
+
+}  // namespace psfm
