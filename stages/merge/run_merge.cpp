@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <span>
 #include <string>
 #include <tuple>
 #include <unordered_map>
@@ -206,12 +207,13 @@ std::vector<SignedEdge> contradictions_of(const ClusterGraph& graph, const Clust
 /// Leaves out the constraints between groups of clusters that contradict each other (ours):
 /// clusters are put together by the constraints with most inliers first, as long as none
 /// contradicts another.
-void keep_consistent(ClusterGraph& graph, std::vector<SignedEdge> contradictions) {
+void keep_consistent(ClusterGraph& graph, std::span<const SignedEdge> contradictions) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> weights;
     for (const PoseGraphEdge& edge : graph.edges)
         weights[std::minmax(edge.a, edge.b)] += edge.weight;
     for (const SignedEdge& edge : contradictions) weights[{edge.first, edge.second}] = edge.weight;
     std::vector<SignedEdge> edges;
+    edges.reserve(weights.size());
     for (const auto& [ends, weight] : weights) edges.push_back({ends.first, ends.second, weight});
     const std::vector<std::uint32_t> group = contract_signed_graph(graph.clusters.size(), edges);
     std::size_t kept = 0;
@@ -229,9 +231,9 @@ Result<ClusterPoses> consistent_poses(ClusterGraph& graph, std::span<const Image
     while (true) {
         auto poses = solve_cluster_poses(graph.edges, graph.sizes, options.pose_graph);
         if (!poses) return poses;
-        auto contradictions = contradictions_of(graph, *poses, pairs, options.constraint);
+        const auto contradictions = contradictions_of(graph, *poses, pairs, options.constraint);
         const std::size_t before = graph.edges.size();
-        if (!contradictions.empty()) keep_consistent(graph, std::move(contradictions));
+        if (!contradictions.empty()) keep_consistent(graph, contradictions);
         // Each round leaves out a constraint at least.
         if (graph.edges.size() == before) return poses;
     }

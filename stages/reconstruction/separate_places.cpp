@@ -103,6 +103,7 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
         if (counting.contains(part_of[i])) places[part_of[i]].push_back(model.images[i].image);
     }
     std::vector<std::vector<ImageId>> result;
+    result.reserve(places.size());
     for (auto& [number, images] : places) result.push_back(std::move(images));
     std::ranges::stable_sort(result, std::ranges::greater(),
                              [](const std::vector<ImageId>& place) { return place.size(); });

@@ -76,6 +76,7 @@ std::vector<std::uint32_t> neighbors_of(std::uint32_t own, const std::vector<Vie
     std::ranges::sort(near);
     if (near.size() > options.max_neighbors) near.resize(options.max_neighbors);
     std::vector<std::uint32_t> neighbors;
+    neighbors.reserve(near.size());
     for (const auto& [distance, other] : near) neighbors.push_back(other);
     return neighbors;
 }
