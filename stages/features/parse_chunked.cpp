@@ -13,19 +13,30 @@ using std::string_view_literals::operator""sv;
 /// "JpgTiffExif->JP2": the box that exiv2, ExifTool and Photoshop keep EXIF in.
 constexpr std::string_view kJpeg2000ExifId = "JpgTiffExif->JP2"sv;
 
+PhotoSize lossy_webp_size(const ByteView& view, std::uint64_t bitstream) {
+    return {view.le16(bitstream + 6) & 0x3FFFU, view.le16(bitstream + 8) & 0x3FFFU};
+}
+
+PhotoSize lossless_webp_size(const ByteView& view, std::uint64_t bitstream) {
+    const std::uint32_t bits = view.le32(bitstream + 1);
+    return {(bits & 0x3FFFU) + 1, ((bits >> 14U) & 0x3FFFU) + 1};
+}
+
 std::optional<PhotoSize> webp_size(const ByteView& view, std::uint64_t chunk, std::uint64_t data) {
     if (view.matches(chunk, "VP8X"sv)) {
         return PhotoSize{std::uint64_t{view.le24(data + 4)} + 1,
                          std::uint64_t{view.le24(data + 7)} + 1};
     }
-    if (view.matches(chunk, "VP8 "sv)) {
-        return PhotoSize{view.le16(data + 6) & 0x3FFFU, view.le16(data + 8) & 0x3FFFU};
-    }
-    if (view.matches(chunk, "VP8L"sv)) {
-        const std::uint32_t bits = view.le32(data + 1);
-        return PhotoSize{(bits & 0x3FFFU) + 1, ((bits >> 14U) & 0x3FFFU) + 1};
-    }
+    if (view.matches(chunk, "VP8 "sv)) return lossy_webp_size(view, data);
+    if (view.matches(chunk, "VP8L"sv)) return lossless_webp_size(view, data);
     return std::nullopt;
+}
+
+/// What libwebp makes of a file whose first chunk is none of WebP's: a bitstream without a chunk
+/// around it, which the name of a chunk can be as well.
+PhotoSize bare_webp_size(const ByteView& view, std::uint64_t start) {
+    return view.matches(start, "/"sv) ? lossless_webp_size(view, start)
+                                      : lossy_webp_size(view, start);
 }
 
 /// Size of an image in a JPEG 2000 codestream (T.800, A.5.1), which decoders go by, whatever the
@@ -72,6 +83,8 @@ PhotoContainer parse_webp(std::span<const std::uint8_t> bytes) {
     PhotoContainer result;
     result.truncated = !view.has(8, view.le32(4));
     std::uint64_t position = 12;
+    if (view.has(position, 8) && !webp_size(view, position, position + 8))
+        result.size = bare_webp_size(view, position);
     while (view.has(position, 8)) {
         const std::uint64_t length = view.le32(position + 4);
         const std::uint64_t data = position + 8;

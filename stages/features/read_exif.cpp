@@ -64,7 +64,8 @@ std::string text(const Exiv2::ExifData& data, const char* key) {
         const auto byte = static_cast<unsigned char>(c);
         if (byte < 0x20 || byte == 0x7F) c = ' ';
     }
-    if (!is_valid_utf8(value)) {
+    // Among valid UTF-8 there are control characters of two bytes, too.
+    if (!is_valid_utf8(value) || has_control_characters(value)) {
         for (char& c : value) {
             if (static_cast<unsigned char>(c) >= 0x80) c = '?';
         }

@@ -95,6 +95,18 @@ TEST(PhotoContainerTest, ZerosInPlaceOfTheSecondHalfAreTruncation) {
     EXPECT_TRUE(parse_jpeg(bytes).truncated);
 }
 
+TEST(PhotoContainerTest, ANameOfAWebpChunkMayBeABitstreamToItsDecoder) {
+    Bytes bytes = encode(textured_image(72, 64), ".webp");
+    const auto size_with_first_chunk = [&](const std::string& name) {
+        std::copy(name.begin(), name.end(), bytes.begin() + 12);
+        return *parse_webp(bytes).size;
+    };
+    const PhotoSize lossless = size_with_first_chunk("/P8X");
+    EXPECT_EQ(lossless.width, 0x3850U + 1) << "14 bits after the first byte";
+    const PhotoSize lossy = size_with_first_chunk("ABCD");
+    EXPECT_EQ(lossy.width, (bytes[18] | (bytes[19] << 8U)) & 0x3FFFU);
+}
+
 TEST(PhotoContainerTest, NothingElseIsAnImage) {
     for (const std::string text :
          {"", "x", "hello world", "GIF89a...", "%PDF-1.4", "P7 no", "BMW is no bitmap at all"}) {

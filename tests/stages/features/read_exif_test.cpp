@@ -125,6 +125,9 @@ TEST(ReadExifTest, AUnitThatIsNoWholeNumberIsUnknown) {
 TEST(ReadExifTest, ImpossibleValuesAreAbsent) {
     Exiv2::ExifData data;
     set(data, "Exif.Image.Make", Exiv2::asciiString, "bad\x01\xFF name");
+    set(data, "Exif.Image.Model", Exiv2::asciiString,
+        "next\xC2\x85"
+        "line");  // U+0085
     set(data, "Exif.Image.Orientation", Exiv2::unsignedShort, "77");
     set(data, "Exif.Photo.FocalLength", Exiv2::unsignedRational, "50/0");
     set(data, "Exif.Photo.FocalLengthIn35mmFilm", Exiv2::unsignedShort, "0");
@@ -136,6 +139,7 @@ TEST(ReadExifTest, ImpossibleValuesAreAbsent) {
     set(data, "Exif.GPSInfo.GPSLongitude", Exiv2::unsignedRational, "10/1");
     const ExifTags tags = read_exif(encode_exif(data));
     EXPECT_EQ(tags.make, "bad ? name");
+    EXPECT_EQ(tags.model, "next??line");
     EXPECT_EQ(tags.orientation, 1);
     EXPECT_FALSE(tags.focal_mm);
     EXPECT_FALSE(tags.focal_35mm);
