@@ -220,6 +220,16 @@ std::optional<std::size_t> worst_dispensable(std::span<const PoseGraphEdge> edge
     return std::nullopt;
 }
 
+ClusterPoses poses_of(Start start, std::vector<bool> used) {
+    ClusterPoses result;
+    result.used = std::move(used);
+    result.component_from_cluster.reserve(start.poses.size());
+    for (const Pose& pose : start.poses) result.component_from_cluster.push_back(unpack(pose));
+    result.component = std::move(start.component);
+    result.component_count = static_cast<std::uint32_t>(start.roots.size());
+    return result;
+}
+
 }  // namespace
 
 double pose_graph_residual(const PoseGraphEdge& edge, const Sim3& frame_from_a,
@@ -230,26 +240,28 @@ double pose_graph_residual(const PoseGraphEdge& edge, const Sim3& frame_from_a,
 Result<ClusterPoses> solve_cluster_poses(std::span<const PoseGraphEdge> edges,
                                          std::span<const std::size_t> sizes,
                                          const PoseGraphOptions& options) {
-    ClusterPoses result;
-    result.used.assign(edges.size(), true);
-    Start start = start_from_tree(edges, spanning_tree(edges, result.used, sizes.size()), sizes);
+    std::vector<bool> used(edges.size(), true);
+    Start start = start_from_tree(edges, spanning_tree(edges, used, sizes.size()), sizes);
     try {
-        optimize(edges, result.used, start, options);
-        while (const auto worst =
-                   worst_dispensable(edges, result.used, start, options.max_residual)) {
-            result.used[*worst] = false;
+        optimize(edges, used, start, options);
+        while (const auto worst = worst_dispensable(edges, used, start, options.max_residual)) {
+            used[*worst] = false;
             // Along the tree again: where the dropped constraint was part of it, everything beyond
             // was wrong.
-            start = start_from_tree(edges, spanning_tree(edges, result.used, sizes.size()), sizes);
-            optimize(edges, result.used, start, options);
+            start = start_from_tree(edges, spanning_tree(edges, used, sizes.size()), sizes);
+            optimize(edges, used, start, options);
         }
     } catch (const std::exception& exception) {
         return Error{ErrorCode::kInternal, std::string("cluster poses: ") + exception.what()};
     }
-    for (const Pose& pose : start.poses) result.component_from_cluster.push_back(unpack(pose));
-    result.component = std::move(start.component);
-    result.component_count = static_cast<std::uint32_t>(start.roots.size());
-    return result;
+    return poses_of(std::move(start), std::move(used));
+}
+
+ClusterPoses poses_along_tree(std::span<const PoseGraphEdge> edges,
+                              std::span<const std::size_t> sizes) {
+    std::vector<bool> used(edges.size(), true);
+    const std::vector<std::uint32_t> tree = spanning_tree(edges, used, sizes.size());
+    return poses_of(start_from_tree(edges, tree, sizes), std::move(used));
 }
 
 }  // namespace psfm

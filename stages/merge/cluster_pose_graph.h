@@ -48,4 +48,8 @@ Result<ClusterPoses> solve_cluster_poses(std::span<const PoseGraphEdge> edges,
                                          std::span<const std::size_t> sizes,
                                          const PoseGraphOptions& options);
 
+/// The same, before anything is optimised: poses along the maximum spanning tree by weight.
+ClusterPoses poses_along_tree(std::span<const PoseGraphEdge> edges,
+                              std::span<const std::size_t> sizes);
+
 }  // namespace psfm

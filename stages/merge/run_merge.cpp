@@ -228,14 +228,19 @@ void keep_consistent(ClusterGraph& graph, std::span<const SignedEdge> contradict
 
 Result<ClusterPoses> consistent_poses(ClusterGraph& graph, std::span<const ImagePair> pairs,
                                       const MergeOptions& options) {
-    while (true) {
-        auto poses = solve_cluster_poses(graph.edges, graph.sizes, options.pose_graph);
-        if (!poses) return poses;
-        const auto contradictions = contradictions_of(graph, *poses, pairs, options.constraint);
+    /// Each time that it says so, a constraint at least is left out.
+    const auto leave_out = [&](const ClusterPoses& poses) {
+        const auto contradictions = contradictions_of(graph, poses, pairs, options.constraint);
         const std::size_t before = graph.edges.size();
         if (!contradictions.empty()) keep_consistent(graph, contradictions);
-        // Each round leaves out a constraint at least.
-        if (graph.edges.size() == before) return poses;
+        return graph.edges.size() < before;
+    };
+    // Most folds are seen without solving anything: one wrong constraint of the tree is enough.
+    while (leave_out(poses_along_tree(graph.edges, graph.sizes))) {
+    }
+    while (true) {
+        auto poses = solve_cluster_poses(graph.edges, graph.sizes, options.pose_graph);
+        if (!poses || !leave_out(*poses)) return poses;
     }
 }
 
