@@ -20,6 +20,14 @@ std::unique_ptr<SessionStore> open(const TemporaryFolder& folder, StoreOptions o
     return store ? std::move(*store) : nullptr;
 }
 
+/// An image without its pairs.
+bool accept(SessionStore& store, std::uint32_t image) {
+    return store
+        .commit_image(testing::expected_image(image), testing::expected_camera(),
+                      testing::expected_keypoints(image), testing::expected_descriptors(image))
+        .ok();
+}
+
 TEST(SessionStore, IsEmptyWhenNew) {
     const TemporaryFolder folder;
     const auto store = open(folder);
@@ -136,11 +144,7 @@ TEST(SessionStore, ASolutionMayDivideItsCluster) {
         const auto store = open(folder);
         for (std::uint32_t image = 0; image < 4; ++image)
             ASSERT_TRUE(testing::commit_all(*store, image));
-        ASSERT_TRUE(store
-                        ->commit_image(testing::expected_image(4), testing::expected_camera(),
-                                       testing::expected_keypoints(4),
-                                       testing::expected_descriptors(4))
-                        .ok());
+        ASSERT_TRUE(accept(*store, 4));
         ASSERT_TRUE(store
                         ->commit_pairs(ImageId{4}, testing::expected_pairs(4),
                                        {testing::expected_cluster(4, false)}, {})
@@ -246,11 +250,7 @@ TEST(SessionStore, NeverBringsRemovedClustersBack) {
         for (std::uint32_t image = 0; image < 4; ++image) {
             ASSERT_TRUE(testing::commit_all(*store, image));
         }
-        ASSERT_TRUE(store
-                        ->commit_image(testing::expected_image(4), testing::expected_camera(),
-                                       testing::expected_keypoints(4),
-                                       testing::expected_descriptors(4))
-                        .ok());
+        ASSERT_TRUE(accept(*store, 4));
         const StoredCluster successor{ClusterId{1}, testing::first_images(5), 1, 0, 0, 0, {}, {}};
         ASSERT_TRUE(
             store->commit_pairs(ImageId{4}, testing::expected_pairs(4), {successor}, {ClusterId{0}})
