@@ -41,19 +41,19 @@ std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& so
 /// Leaves of an entry's models what its images see. @return whether it lost some
 bool ClusterTable::keep_members(ClusterEntry& entry) const {
     const std::vector<ImageId> images = images_of(entry);
+    const auto cut = [&](std::shared_ptr<const Reconstruction>& model) {
+        if (!places_others_than(*model, images)) return false;
+        model = std::make_shared<const Reconstruction>(restricted_to(*model, images));
+        return true;
+    };
     bool lost = false;
-    for (RecycledModel& recycled : entry.material) {
-        if (!places_others_than(*recycled.model, images)) continue;
-        recycled.model =
-            std::make_shared<const Reconstruction>(restricted_to(*recycled.model, images));
-        lost = true;
-    }
+    for (RecycledModel& recycled : entry.material) lost |= cut(recycled.model);
     std::erase_if(entry.material, [&](const RecycledModel& recycled) {
         return recycled.model->images.size() < mu_min_;
     });
-    // A published model with images of another cluster would show them twice: none until the next
-    // solve.
-    if (entry.model && places_others_than(*entry.model, images)) entry.model = nullptr;
+    // The published model would show images twice that are another cluster's by now.
+    if (entry.model && cut(entry.model) && entry.model->images.size() < mu_min_)
+        entry.model = nullptr;
     return lost;
 }
 

@@ -217,10 +217,8 @@ void Committer::advance(CommitOutput& output) {
         for (const ClusterEntry* entry : state_.clusters.take_unsettled())
             output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
     }
-    // Deterministic sessions publish when everything is solved; others as soon as there is
-    // something new.
-    const bool due =
-        changed_ && !merging_ && !hold && (!config_.deterministic || !state_.clusters.busy());
+    const bool quiet = all_verified && !state_.clusters.busy();
+    const bool due = changed_ && !merging_ && !hold && time_for_version(quiet);
     if (due) {
         changed_ = false;
         merging_ = true;
@@ -242,6 +240,13 @@ void Committer::advance(CommitOutput& output) {
         output.publish->images_released = std::exchange(images_released_, 0);
         if (!output.publish->scene) output.publish->counts = state_.counts;
     }
+}
+
+bool Committer::time_for_version(bool quiet) const {
+    if (config_.deterministic) return !state_.clusters.busy();
+    const bool holds_up_others = std::ranges::any_of(
+        state_.pending, [](const auto& p) { return p.second.verified && p.second.admitted; });
+    return quiet || holds_up_others || Clock::now() >= next_version_;
 }
 
 StoredCluster Committer::stored(const ClusterEntry& entry) const {

@@ -69,6 +69,10 @@ class Committer {
     /// grows with the session, and so may the number of images that share it.
     void release_early(PendingImage& verified);
     void advance(CommitOutput& output);
+    /// Deterministic sessions publish when everything is solved; others as soon as there is
+    /// something new, but leave time for other work, each piece of which ends in advance().
+    /// @param quiet  there is no such work
+    bool time_for_version(bool quiet) const;
     /// Images that have their place in a merged model move to the clusters that will place them.
     /// @return clusters that got one
     std::vector<ClusterId> adopt(const MergedMessage& message);
@@ -88,6 +92,7 @@ class Committer {
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_expected_;  // known once no photograph will follow
     bool merging_ = false;                          // one merge in flight at most
+    Clock::time_point next_version_;                // not before, while there is other work
     bool changed_ = false;                          // something is to be merged and published
     bool catching_up_ = false;                      // an image token is held for that
     bool settle_first_ = false;                     // an earlier process was settling

@@ -12,13 +12,6 @@
 #include "stages/clustering/update_clustering.h"
 
 namespace psfm {
-namespace {
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-}  // namespace
 
 Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*output*/) {
     if (!message.pairs->ok()) return message.pairs->error();

@@ -9,17 +9,20 @@
 #include "scheduler/encode_state.h"
 
 namespace psfm {
-
 namespace {
 
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
+/// While other work goes on, the next version is begun so many times as long after a merge as that
+/// took. Raised: later versions; lowered: merging, whose cost grows with the session, takes the
+/// time of what is to be merged. Ours.
+constexpr double kRestPerMerge = 3.0;
 
 }  // namespace
 
 Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     merging_ = false;
+    next_version_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                       kRestPerMerge *
+                                       std::chrono::duration<double, std::milli>(message.merge_ms));
     if (!message.result->ok()) return message.result->error();
     const MergeResult& merged = message.result->value().merge;
     auto scene = std::make_shared<Scene>();
@@ -29,9 +32,8 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     StoredSceneVersion stored_version;
     for (const MergeCluster& cluster : message.problem->clusters) {
         const auto entry = state_.clusters.entries().find(cluster.id);
-        // Gone or solved again since: the next merge, which is due already, shows it.
-        if (entry == state_.clusters.entries().end() || entry->second.model != cluster.model)
-            continue;
+        // What has been solved since is shown by the next version, which is due already.
+        if (entry == state_.clusters.entries().end()) continue;
         const auto placement =
             std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
         auto shown = std::make_shared<SceneCluster>();
@@ -41,7 +43,7 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         shown->members = state_.clusters.images_of(entry->second);
         shown->model = cluster.model;
         if (cluster.model && places_others_than(*cluster.model, shown->members)) {
-            // Guests that have a cluster of their own by now; the next solve leaves them out.
+            // Images that have left, and guests that have a cluster of their own by now.
             shown->model = std::make_shared<const Reconstruction>(
                 restricted_to(*cluster.model, shown->members));
         }
@@ -117,12 +119,15 @@ void Committer::report_published(const MergeProblem& problem, double merge_ms,
     if (config_.deterministic && state_.clusters.busy()) return;
     for (auto& [index, pending] : state_.pending) {
         if (pending.published || !pending.verified) continue;
-        const ClusterEntry& entry = state_.clusters.of(static_cast<ImageId>(index));
+        const auto image = static_cast<ImageId>(index);
+        const ClusterEntry& entry = state_.clusters.of(image);
         const auto merged =
             std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
-        const bool shown = merged != problem.clusters.end() && merged->id == entry.id &&
-                           merged->model == entry.model;
-        if (!shown || entry.phase != ClusterPhase::kClean) continue;
+        if (merged == problem.clusters.end() || merged->id != entry.id) continue;
+        // Placed, though the cluster may be solved again for the sake of others; or tried in vain.
+        const bool placed = merged->model && merged->model->find(image) != nullptr;
+        const bool tried = merged->model == entry.model && entry.phase == ClusterPhase::kClean;
+        if (!placed && !tried) continue;
         pending.published = true;
         pending.report.merge_ms = merge_ms;
         pending.report.latency_ms = milliseconds_since(pending.arrival);

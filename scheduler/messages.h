@@ -27,6 +27,10 @@ namespace psfm {
 
 using Clock = std::chrono::steady_clock;
 
+inline double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
 /// A photograph that was admitted. Sequence numbers are consecutive from 0 in one process.
 struct ArrivedPhoto {
     std::uint64_t sequence = 0;

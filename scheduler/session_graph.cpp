@@ -19,10 +19,6 @@ namespace {
 
 namespace flow = tbb::flow;
 
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 /// Runs a stage; an exception of a library becomes a failed result, since it would cancel the whole
 /// graph.
 template <typename T, typename Body>

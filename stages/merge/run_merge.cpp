@@ -267,8 +267,8 @@ Result<std::vector<Component>> solve_components(const MergeProblem& problem,
 }
 
 /// Known constraints of pairs that have no two models at present, though both clusters are there:
-/// a cluster that an image has left shows no model until it is solved again, and most of what was
-/// known of it will hold then. @param tasks  ascending
+/// a cluster that most images have left shows no model until it is solved again, and some of what
+/// was known of it will hold then. @param tasks  ascending
 std::vector<ClusterConstraint> set_aside(const MergeProblem& problem,
                                          const std::vector<PairTask>& tasks) {
     std::vector<ClusterConstraint> aside;

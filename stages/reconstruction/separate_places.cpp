@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,6 +15,13 @@
 
 namespace psfm {
 namespace {
+
+/// Points of each image that are looked at first. Lowered: all are looked at in vain more often.
+/// Ours, as is the next.
+constexpr std::uint32_t kGlancePoints = 48;
+/// A pair that shares nothing shares at most so many times max_shared_by_chance of a few points.
+/// Raised: all are looked at more often; lowered: folds are overlooked by chance.
+constexpr double kGlanceFactor = 3.0;
 
 /// By image what its pairs reach: the second best, since one may be nearly a copy.
 std::vector<double> reached_parts(std::size_t images, std::span<const SideBySide> pairs) {
@@ -88,13 +96,21 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
                                                   std::span<const VerifiedPairPtr> pairs,
                                                   const PlaceOptions& options) {
     if (options.min_contradictions == 0) return {};
-    const std::vector<SideBySide> side_by_side = find_side_by_side(model, options);
-    const auto shares_nothing = [&](const SideBySide& pair) {
-        return pair.shared_part() <= options.max_shared_by_chance;
+    const auto sharing_up_to = [](std::span<const SideBySide> some, double part) {
+        std::vector<SideBySide> sharing;
+        std::ranges::copy_if(some, std::back_inserter(sharing),
+                             [&](const SideBySide& pair) { return pair.shared_part() <= part; });
+        return sharing;
     };
-    if (std::ranges::count_if(side_by_side, shares_nothing) <
-        static_cast<std::ptrdiff_t>(options.min_contradictions))
+    // Nearly all models show one place, and a few points of each image are enough to see that.
+    const std::vector<SideBySide> suspicious =
+        sharing_up_to(find_side_by_side(model, options, kGlancePoints),
+                      kGlanceFactor * options.max_shared_by_chance);
+    if (suspicious.size() < options.min_contradictions) return {};
+    if (sharing_up_to(count_all_points(model, options, suspicious), options.max_shared_by_chance)
+            .size() < options.min_contradictions)
         return {};
+    const std::vector<SideBySide> side_by_side = find_side_by_side(model, options);
     const std::vector<std::uint32_t> part_of =
         contract_signed_graph(model.images.size(), weigh(model, pairs, side_by_side, options));
     std::map<std::uint32_t, std::vector<ImageId>> places;

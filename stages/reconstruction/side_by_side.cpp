@@ -33,7 +33,18 @@ double median_depth(const Reconstruction& model, const View& view) {
     return std::max(0.0, *middle);
 }
 
-std::vector<View> views_of(const Reconstruction& model, const PlaceOptions& options) {
+/// Every so many-th point is enough for about so many of each image.
+std::uint32_t step_for(const Reconstruction& model, std::uint32_t points_per_image) {
+    if (points_per_image == 0 || model.images.empty()) return 1;
+    std::size_t observations = 0;
+    for (const ScenePoint& point : model.points) observations += point.track.size();
+    const std::size_t step = observations / (points_per_image * model.images.size());
+    return static_cast<std::uint32_t>(std::max<std::size_t>(1, step));
+}
+
+/// Of every `step`-th point.
+std::vector<View> views_of(const Reconstruction& model, std::uint32_t step,
+                           const PlaceOptions& options) {
     std::vector<View> views(model.images.size());
     for (std::size_t i = 0; i < views.size(); ++i) {
         const RegisteredImage& image = model.images[i];
@@ -41,7 +52,7 @@ std::vector<View> views_of(const Reconstruction& model, const PlaceOptions& opti
         views[i].ahead = image.cam_from_cluster.rotation.conjugate() * Eigen::Vector3d::UnitZ();
         views[i].camera = &model.cameras.at(image.camera);
     }
-    for (std::uint32_t p = 0; p < model.points.size(); ++p) {
+    for (std::uint32_t p = step / 2; p < model.points.size(); p += step) {
         const std::vector<Observation>& track = model.points[p].track;
         if (track.size() < options.min_track) continue;
         // Both ascend by image.
@@ -86,9 +97,9 @@ bool sees(const ScenePoint& point, ImageId image) {
     return found != point.track.end() && found->image == image;
 }
 
-/// Adds what `to` should see of what `from` has seen.
+/// Adds what `to` should see of what `from` has seen, each point `weight` times.
 void count(const Reconstruction& model, const View& from, const View& to,
-           const RegisteredImage& image, SideBySide& pair) {
+           const RegisteredImage& image, std::uint32_t weight, SideBySide& pair) {
     /// Features are not found at the very edge, and poses are not exact.
     constexpr double kMargin = 0.02;
     const Eigen::Array2d size(to.camera->width, to.camera->height);
@@ -98,16 +109,28 @@ void count(const Reconstruction& model, const View& from, const View& to,
         const auto pixel = project(*to.camera, image.cam_from_cluster * point.position);
         if (!pixel || (pixel->array() < margin).any() || (pixel->array() > size - margin).any())
             continue;
-        ++pair.expected;
-        if (sees(point, image.image)) ++pair.shared;
+        pair.expected += weight;
+        if (sees(point, image.image)) pair.shared += weight;
     }
+}
+
+void count_all(const Reconstruction& model, const std::vector<View>& views, std::uint32_t weight,
+               std::vector<SideBySide>& pairs) {
+    in_parallel(pairs.size(), 16, [&](std::size_t k) {
+        SideBySide& pair = pairs[k];
+        const std::uint32_t first = pair.first;
+        const std::uint32_t second = pair.second;
+        count(model, views[first], views[second], model.images[second], weight, pair);
+        count(model, views[second], views[first], model.images[first], weight, pair);
+    });
 }
 
 }  // namespace
 
-std::vector<SideBySide> find_side_by_side(const Reconstruction& model,
-                                          const PlaceOptions& options) {
-    const std::vector<View> views = views_of(model, options);
+std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const PlaceOptions& options,
+                                          std::uint32_t points_per_image) {
+    const std::uint32_t step = step_for(model, points_per_image);
+    const std::vector<View> views = views_of(model, step, options);
     std::vector<Eigen::Vector3d> centres;
     centres.reserve(views.size());
     for (const View& view : views) centres.push_back(view.centre);
@@ -127,14 +150,21 @@ std::vector<SideBySide> find_side_by_side(const Reconstruction& model,
     const auto repeated = std::ranges::unique(pairs, {}, ends);
     pairs.erase(repeated.begin(), repeated.end());
 
-    in_parallel(pairs.size(), 16, [&](std::size_t k) {
-        SideBySide& pair = pairs[k];
-        count(model, views[pair.first], views[pair.second], model.images[pair.second], pair);
-        count(model, views[pair.second], views[pair.first], model.images[pair.first], pair);
-    });
+    count_all(model, views, step, pairs);
     std::erase_if(pairs,
                   [&](const SideBySide& pair) { return pair.expected < options.min_expected; });
     return pairs;
+}
+
+std::vector<SideBySide> count_all_points(const Reconstruction& model, const PlaceOptions& options,
+                                         std::span<const SideBySide> pairs) {
+    std::vector<SideBySide> counted;
+    counted.reserve(pairs.size());
+    for (const SideBySide& pair : pairs) counted.push_back({pair.first, pair.second, 0, 0});
+    count_all(model, views_of(model, 1, options), 1, counted);
+    std::erase_if(counted,
+                  [&](const SideBySide& pair) { return pair.expected < options.min_expected; });
+    return counted;
 }
 
 }  // namespace psfm

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "graph/reconstruction.h"
@@ -23,9 +24,18 @@ struct SideBySide {
 /// correspondences (Zach, Irschara, Bischof, CVPR 2008), asked of the points of a model. Images
 /// that stand side by side see the same whatever hides what, so no occlusion has to be known
 /// (ours).
+/// @param points_per_image  0: all points are looked at; else every so many-th, which counts for
+/// these, so that an image sees about so many of them
 /// @return pairs with min_expected points, ascending by (first, second)
 /// Deterministic on any number of threads. Thread-safe. Cost: O(images * max_neighbors * points of
-/// an image).
-std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const PlaceOptions& options);
+/// an image that are looked at).
+std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const PlaceOptions& options,
+                                          std::uint32_t points_per_image = 0);
+
+/// Pairs that were found by some of the points, with all points counted. Cost: once through all
+/// observations. Deterministic. Thread-safe.
+/// @param pairs  of find_side_by_side() for this model and options
+std::vector<SideBySide> count_all_points(const Reconstruction& model, const PlaceOptions& options,
+                                         std::span<const SideBySide> pairs);
 
 }  // namespace psfm

@@ -43,14 +43,18 @@ inline constexpr std::int32_t kNoDistance = std::numeric_limits<std::int32_t>::m
 
 /// Both sides of a product of all rows with all columns. Views; the caller keeps the arrays alive.
 struct DotKernelInput {
-    const std::uint8_t* rows = nullptr;  ///< row_count * 128 bytes, one descriptor after another
+    const std::uint8_t* rows = nullptr;       ///< 128 bytes each, one descriptor after another
     const std::int32_t* row_norms = nullptr;  ///< squared Euclidean norms
     const std::int32_t* row_sums = nullptr;   ///< sums of the 128 bytes
-    std::size_t row_count = 0;
+    /// The numbers of the rows that take part, ascending; null: they are 0, 1, ... All arrays with
+    /// one entry a row are looked up by these numbers.
+    const std::uint32_t* row_numbers = nullptr;
+    std::size_t row_count = 0;  ///< that take part
     const Strip* strips =
         nullptr;  ///< strip_count(column_count); columns past the end are all zero
     const std::int32_t* column_norms = nullptr;
     std::size_t column_count = 0;
+    std::size_t first_column = 0;  ///< the number of the first column among all that rows may meet
 };
 
 /// The nearest neighbour of each descriptor of one side, and the distance to the second nearest.
@@ -61,12 +65,14 @@ struct NearestTwo {
     std::uint32_t* index = nullptr;  ///< of the nearest; the lowest one among equals
 };
 
-/// What a kernel writes. Arrays are the caller's: kernels are compiled for processors that may not
-/// be there, and must not instantiate library templates that the linker could then use everywhere.
+/// What a kernel writes, on top of what is there: several products of the same rows with different
+/// columns, or the other way round, leave the nearest of all. Arrays are the caller's: kernels are
+/// compiled for processors that may not be there, and must not instantiate library templates that
+/// the linker could then use everywhere.
 struct DotKernelOutput {
-    NearestTwo of_rows;                ///< row_count entries, best and second preset to kNoDistance
-    NearestTwo of_columns;             ///< column_count entries, likewise
-    StripKeys* column_keys = nullptr;  ///< scratch: one a strip
+    NearestTwo of_rows;                   ///< by number of the row; preset to kNoDistance
+    NearestTwo of_columns;                ///< column_count entries, likewise
+    StripKeys* column_keys = nullptr;     ///< scratch: one a strip
     LaneMinima* column_minima = nullptr;  ///< scratch: one a strip
 };
 
@@ -74,14 +80,28 @@ struct DotKernelOutput {
 /// Thread-safe for distinct outputs.
 using DotKernel = void (*)(const DotKernelInput&, const DotKernelOutput&);
 
+/// What the keys of a row are counted in: squared distances times this.
+inline constexpr std::int32_t kKeyUnit = 256;
+
+/// The keys of all columns for each row that takes part, strip_count(column_count) strips a row,
+/// one row after another: kKeyUnit times the squared distance without the row's own squared norm,
+/// and less than kKeyUnit more; INT32_MAX past the last column. REQUIRES: at most 255 strips.
+using DistanceKernel = void (*)(const DotKernelInput&, StripKeys* keys);
+
 void dot_kernel_portable(const DotKernelInput& input, const DotKernelOutput& output);
 void dot_kernel_avx2(const DotKernelInput& input, const DotKernelOutput& output);
 void dot_kernel_avx_vnni(const DotKernelInput& input, const DotKernelOutput& output);
 void dot_kernel_avx512_vnni(const DotKernelInput& input, const DotKernelOutput& output);
 
+void distance_kernel_portable(const DotKernelInput& input, StripKeys* keys);
+void distance_kernel_avx2(const DotKernelInput& input, StripKeys* keys);
+void distance_kernel_avx_vnni(const DotKernelInput& input, StripKeys* keys);
+void distance_kernel_avx512_vnni(const DotKernelInput& input, StripKeys* keys);
+
 struct NamedDotKernel {
     std::string_view name;
     DotKernel kernel;
+    DistanceKernel distances;
 };
 
 /// The kernels that this processor and operating system can run, fastest first; never empty.

@@ -63,4 +63,8 @@ void dot_kernel_avx2(const DotKernelInput& input, const DotKernelOutput& output)
     DotLoop<Avx2Isa>(input, output).run();
 }
 
+void distance_kernel_avx2(const DotKernelInput& input, StripKeys* keys) {
+    DotLoop<Avx2Isa>(input, {}).write_keys(keys);
+}
+
 }  // namespace psfm

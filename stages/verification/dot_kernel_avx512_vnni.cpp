@@ -44,4 +44,8 @@ void dot_kernel_avx512_vnni(const DotKernelInput& input, const DotKernelOutput& 
     DotLoop<Avx512VnniIsa>(input, output).run();
 }
 
+void distance_kernel_avx512_vnni(const DotKernelInput& input, StripKeys* keys) {
+    DotLoop<Avx512VnniIsa>(input, {}).write_keys(keys);
+}
+
 }  // namespace psfm

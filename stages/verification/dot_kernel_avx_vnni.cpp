@@ -46,4 +46,8 @@ void dot_kernel_avx_vnni(const DotKernelInput& input, const DotKernelOutput& out
     DotLoop<AvxVnniIsa>(input, output).run();
 }
 
+void distance_kernel_avx_vnni(const DotKernelInput& input, StripKeys* keys) {
+    DotLoop<AvxVnniIsa>(input, {}).write_keys(keys);
+}
+
 }  // namespace psfm

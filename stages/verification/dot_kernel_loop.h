@@ -110,13 +110,8 @@ class DotLoop {
         : in_(input), out_(output), strips_(strip_count(input.column_count)) {}
 
     void run() {
-        for (std::size_t j = 0; j < strips_ * kStripColumns; ++j) {
-            const std::size_t position = j / kStripColumns % kBlockStrips;
-            out_.column_keys[j / kStripColumns].lane[j % kStripColumns] =
-                j < in_.column_count
-                    ? in_.column_norms[j] * 256 + static_cast<std::int32_t>(position)
-                    : kNoDistance;
-        }
+        for (std::size_t j = 0; j < strips_ * kStripColumns; ++j)
+            out_.column_keys[j / kStripColumns].lane[j % kStripColumns] = column_key(j);
         for (std::size_t row = 0; row < in_.row_count; row += kBlockRows) {
             const std::size_t row_end = smaller(row + kBlockRows, in_.row_count);
             for (std::size_t strip = 0; strip < strips_; ++strip) clear(out_.column_minima[strip]);
@@ -130,59 +125,126 @@ class DotLoop {
         }
     }
 
+    /// The keys that run() takes the minima of, of each row one after another.
+    void write_keys(StripKeys* keys) {
+        StripKeys column_keys[kBlockStrips];
+        for (std::size_t j = 0; j < strips_ * kStripColumns; ++j)
+            column_keys[j / kStripColumns].lane[j % kStripColumns] = column_key(j);
+        for (std::size_t begin = 0; begin < in_.row_count; begin += kSliceRows) {
+            const std::size_t end = smaller(begin + kSliceRows, in_.row_count);
+            Slice slice;
+            load_slice(begin, begin, end, slice);
+            for (std::size_t strip = 0; strip < strips_; strip += Isa::kTileStrips) {
+                for (std::size_t r = 0; r < slice.rows_used; r += Isa::kTileRows) {
+                    write_tile(slice, r, column_keys, strip, keys + (begin + r) * strips_,
+                               end - begin - r);
+                }
+            }
+        }
+    }
+
   private:
     using Vector = typename Isa::Vector;
     static constexpr std::size_t kParts = kStripColumns / Isa::kLanes;
     static constexpr std::size_t kTileVectors = Isa::kTileStrips * kParts;
 
+    /// Rows side by side, as tiles read them. Those past the end are all zero, so their sums are
+    /// zero and their keys stay at kNoDistance.
+    struct Slice {
+        alignas(64) std::uint8_t rows[kSliceRows * kDescriptorBytes];
+        std::int32_t row_keys[kSliceRows];
+        std::int32_t row_offsets[kSliceRows];
+        std::size_t rows_used;  ///< whole tiles
+    };
+
+    std::size_t number_of(std::size_t row) const {
+        return in_.row_numbers != nullptr ? in_.row_numbers[row] : row;
+    }
+
+    std::int32_t column_key(std::size_t j) const {
+        const std::size_t position = j / kStripColumns % kBlockStrips;
+        return j < in_.column_count
+                   ? in_.column_norms[j] * kKeyUnit + static_cast<std::int32_t>(position)
+                   : kNoDistance;
+    }
+
+    /// The rows [begin, end), at most kSliceRows, whose positions count from `block`.
+    void load_slice(std::size_t block, std::size_t begin, std::size_t end, Slice& slice) const {
+        for (std::size_t r = 0; r < kSliceRows; ++r) {
+            std::uint8_t* to = slice.rows + r * kDescriptorBytes;
+            if (begin + r >= end) {
+                std::memset(to, 0, kDescriptorBytes);
+                slice.row_keys[r] = kNoDistance;
+                slice.row_offsets[r] = 0;
+                continue;
+            }
+            const std::size_t i = number_of(begin + r);
+            std::memcpy(to, in_.rows + i * kDescriptorBytes, kDescriptorBytes);
+            slice.row_keys[r] =
+                in_.row_norms[i] * kKeyUnit + static_cast<std::int32_t>(begin + r - block);
+            slice.row_offsets[r] = 128 * in_.row_sums[i];
+        }
+        slice.rows_used = (end - begin + Isa::kTileRows - 1) / Isa::kTileRows * Isa::kTileRows;
+    }
+
     /// Rows [begin, end), at most kSliceRows, of the row block that starts at `block`, with the
     /// strips [strip_begin, strip_end) of one column block.
     void run_slice(std::size_t block, std::size_t begin, std::size_t end, std::size_t strip_begin,
                    std::size_t strip_end) {
-        alignas(64) std::uint8_t rows[kSliceRows * kDescriptorBytes] = {};
-        std::memcpy(rows, in_.rows + begin * kDescriptorBytes, (end - begin) * kDescriptorBytes);
-        // Rows past the end are all zero, so their sums are zero and their keys stay at
-        // kNoDistance.
-        std::int32_t row_keys[kSliceRows];
-        std::int32_t row_offsets[kSliceRows];
-        for (std::size_t r = 0; r < kSliceRows; ++r) {
-            const std::size_t i = begin + r;
-            const bool exists = i < end;
-            row_keys[r] = exists ? in_.row_norms[i] * 256 + static_cast<std::int32_t>(i - block)
-                                 : kNoDistance;
-            row_offsets[r] = exists ? 128 * in_.row_sums[i] : 0;
-        }
+        Slice slice;
+        load_slice(block, begin, end, slice);
         LaneMinima row_minima[kSliceRows];
         for (LaneMinima& minima : row_minima) clear(minima);
-        const std::size_t rows_used =
-            (end - begin + Isa::kTileRows - 1) / Isa::kTileRows * Isa::kTileRows;
         for (std::size_t strip = strip_begin; strip < strip_end; strip += Isa::kTileStrips) {
-            for (std::size_t r = 0; r < rows_used; r += Isa::kTileRows) {
-                run_tile(rows + r * kDescriptorBytes, row_keys + r, row_offsets + r, row_minima + r,
-                         strip);
+            for (std::size_t r = 0; r < slice.rows_used; r += Isa::kTileRows) {
+                run_tile(slice, r, row_minima + r, strip);
             }
         }
         for (std::size_t r = 0; r < end - begin; ++r) {
-            fold_row(out_.of_rows, begin + r, row_minima[r], strip_begin * kStripColumns);
+            fold_row(out_.of_rows, number_of(begin + r), row_minima[r],
+                     in_.first_column + strip_begin * kStripColumns);
         }
     }
 
-    PSFM_INLINE void run_tile(const std::uint8_t* rows, const std::int32_t* row_keys,
-                              const std::int32_t* row_offsets, LaneMinima* row_minima,
-                              std::size_t strip) {
-        Vector sums[Isa::kTileRows][kTileVectors];
+    using Sums = Vector[Isa::kTileRows][kTileVectors];
+
+    /// 512 times the products of a tile.
+    PSFM_INLINE void multiply(const Slice& slice, std::size_t row, std::size_t strip, Sums& sums) {
         unrolled<Isa::kTileRows>([&](auto r) PSFM_INLINE {
-            unrolled<kTileVectors>([&](auto v)
-                                       PSFM_INLINE { sums[r][v] = Isa::set1(row_offsets[r]); });
+            unrolled<kTileVectors>(
+                [&](auto v) PSFM_INLINE { sums[r][v] = Isa::set1(slice.row_offsets[row + r]); });
         });
         const Strip* strips = in_.strips + strip;
+        const std::uint8_t* rows = slice.rows + row * kDescriptorBytes;
         for (std::size_t k = 0; k < kDescriptorBytes; k += 4)
             Isa::add_products(rows + k, strips, k, sums);
-        // key = (norm * 256 + position) - 2 * 256 * dot, for both directions.
         unrolled<Isa::kTileRows>([&](auto r) PSFM_INLINE {
             unrolled<kTileVectors>([&](auto v)
                                        PSFM_INLINE { sums[r][v] = Isa::times512(sums[r][v]); });
         });
+    }
+
+    PSFM_INLINE void write_tile(const Slice& slice, std::size_t row, const StripKeys* column_keys,
+                                std::size_t strip, StripKeys* keys, std::size_t rows_left) {
+        Sums sums;
+        multiply(slice, row, strip, sums);
+        unrolled<Isa::kTileRows>([&](auto r) PSFM_INLINE {
+            if (r >= rows_left) return;
+            StripKeys* to = keys + r * strips_ + strip;
+            unrolled<kTileVectors>([&](auto v) PSFM_INLINE {
+                const std::size_t lane = v % kParts * Isa::kLanes;
+                const Vector column = Isa::load(column_keys[strip + v / kParts].lane + lane);
+                Isa::store(to[v / kParts].lane + lane, Isa::sub(column, sums[r][v]));
+            });
+        });
+    }
+
+    PSFM_INLINE void run_tile(const Slice& slice, std::size_t row, LaneMinima* row_minima,
+                              std::size_t strip) {
+        Sums sums;
+        multiply(slice, row, strip, sums);
+        // key = (norm * 256 + position) - 2 * 256 * dot, for both directions.
+        const std::int32_t* row_keys = slice.row_keys + row;
         unrolled<kTileVectors>([&](auto v) PSFM_INLINE {
             LaneMinima& minima = out_.column_minima[strip + v / kParts];
             const std::size_t lane = v % kParts * Isa::kLanes;
@@ -219,7 +281,7 @@ class DotLoop {
             const LaneMinima& minima = out_.column_minima[j / kStripColumns];
             const std::int32_t best = minima.best[j % kStripColumns];
             const std::int32_t second = minima.second[j % kStripColumns];
-            fold(out_.of_columns, j, value_of(best), first_row + position_of(best),
+            fold(out_.of_columns, j, value_of(best), number_of(first_row + position_of(best)),
                  value_of(second));
         }
     }

@@ -77,4 +77,8 @@ void dot_kernel_portable(const DotKernelInput& input, const DotKernelOutput& out
     DotLoop<PortableIsa>(input, output).run();
 }
 
+void distance_kernel_portable(const DotKernelInput& input, StripKeys* keys) {
+    DotLoop<PortableIsa>(input, {}).write_keys(keys);
+}
+
 }  // namespace psfm

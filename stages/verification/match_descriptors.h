@@ -53,11 +53,4 @@ std::vector<FeatureMatch> match_descriptors(const Descriptors& a, const Descript
 std::vector<FeatureMatch> match_descriptors(const Descriptors& a, const PackedDescriptors& b,
                                             const MatchOptions& options);
 
-/// Number of matches between the first `count` rows of both sides only (rounded up to a multiple of
-/// 48), that is between the features of largest scale: the price of a full match times (count /
-/// rows)^2. Pairs without common view have next to none; docs/matching.md gives the recall of true
-/// pairs measured for several thresholds. REQUIRES: validate(options). Thread-safe.
-std::size_t count_matches_of_strongest(const Descriptors& a, const PackedDescriptors& b,
-                                       std::size_t count, const MatchOptions& options);
-
 }  // namespace psfm

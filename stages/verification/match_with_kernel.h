@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "stages/verification/descriptor_cells.h"
 #include "stages/verification/dot_kernel.h"
 #include "stages/verification/match_descriptors.h"
 
@@ -13,5 +15,11 @@ namespace psfm {
 /// REQUIRES: kernel is one of available_dot_kernels().
 std::vector<FeatureMatch> match_with_kernel(const Descriptors& a, const PackedDescriptors& b,
                                             const MatchOptions& options, DotKernel kernel);
+/// Likewise match_in_cells().
+std::optional<std::vector<FeatureMatch>> match_in_cells_with_kernel(const Descriptors& a,
+                                                                    const DescriptorCells& b,
+                                                                    const MatchOptions& options,
+                                                                    const CellOptions& cells,
+                                                                    const NamedDotKernel& kernel);
 
 }  // namespace psfm

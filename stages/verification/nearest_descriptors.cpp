@@ -14,22 +14,25 @@ NearestTwo view(NearestArrays& arrays) {
 
 }  // namespace
 
+ByteSums sums_of(const std::uint8_t* row) {
+    ByteSums sums;
+    for (std::size_t k = 0; k < Descriptors::kSize; ++k) {
+        sums.sum += row[k];
+        sums.squares += row[k] * row[k];
+    }
+    return sums;
+}
+
 NearestBothWays nearest_both_ways(std::span<const std::uint8_t> rows,
-                                  const PackedDescriptors& columns, std::size_t column_count,
-                                  DotKernel kernel) {
+                                  const PackedDescriptors& columns, DotKernel kernel) {
     const std::size_t row_count = rows.size() / Descriptors::kSize;
-    assert(row_count > 0 && column_count > 0 && column_count <= columns.rows);
-    assert(column_count == columns.rows || column_count % (kStripColumns * kStripGroup) == 0);
+    const std::size_t column_count = columns.rows;
+    assert(row_count > 0 && column_count > 0);
     NearestBothWays nearest{std::vector<std::int32_t>(row_count), NearestArrays(row_count),
                             NearestArrays(column_count)};
     std::vector<std::int32_t> row_sums(row_count);
     for (std::size_t i = 0; i < row_count; ++i) {
-        std::int32_t sum = 0;
-        std::int32_t squares = 0;
-        for (const std::uint8_t byte : rows.subspan(i * Descriptors::kSize, Descriptors::kSize)) {
-            sum += byte;
-            squares += byte * byte;
-        }
+        const auto [sum, squares] = sums_of(rows.data() + i * Descriptors::kSize);
         row_sums[i] = sum;
         nearest.row_norms[i] = squares;
     }
@@ -53,7 +56,7 @@ std::vector<std::uint32_t> nearest_descriptors(std::span<const std::uint8_t> row
                                                const PackedDescriptors& others) {
     if (rows.empty()) return {};
     const DotKernel kernel = available_dot_kernels().front().kernel;
-    return std::move(nearest_both_ways(rows, others, others.rows, kernel).of_rows.index);
+    return std::move(nearest_both_ways(rows, others, kernel).of_rows.index);
 }
 
 }  // namespace psfm

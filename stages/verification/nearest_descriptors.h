@@ -20,19 +20,23 @@ struct NearestArrays {
     std::vector<std::uint32_t> index;
 };
 
+/// Of a descriptor's bytes.
+struct ByteSums {
+    std::int32_t sum = 0;
+    std::int32_t squares = 0;
+};
+ByteSums sums_of(const std::uint8_t* row);
+
 struct NearestBothWays {
     std::vector<std::int32_t> row_norms;  ///< squared
     NearestArrays of_rows;
     NearestArrays of_columns;
 };
 
-/// Nearest and second nearest neighbours between all rows and the first `column_count` columns.
-/// REQUIRES: rows not empty; 0 < column_count <= columns.rows, and column_count is columns.rows or
-/// a multiple of 48 (a kernel takes the columns past the end of the last three strips to be zero).
-/// Thread-safe.
+/// Nearest and second nearest neighbours between all rows and all columns. REQUIRES: neither is
+/// empty. Thread-safe.
 NearestBothWays nearest_both_ways(std::span<const std::uint8_t> rows,
-                                  const PackedDescriptors& columns, std::size_t column_count,
-                                  DotKernel kernel);
+                                  const PackedDescriptors& columns, DotKernel kernel);
 
 /// The nearest of `others` to each row, by exact Euclidean distance; the lowest index among equals.
 /// @param rows  descriptors of Descriptors::kSize bytes, one after another

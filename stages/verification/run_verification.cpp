@@ -74,16 +74,7 @@ Attempt failed(Error error) {
     return attempt;
 }
 
-/// Whether the features of largest scale say already that the images show nothing in common.
-bool is_hopeless(const Descriptors& candidate, const PackedDescriptors& packed,
-                 const VerificationOptions& options) {
-    if (options.min_strongest_matches == 0) return false;
-    if (std::min(candidate.rows(), packed.rows) < 2 * options.strongest_rows) return false;
-    return count_matches_of_strongest(candidate, packed, options.strongest_rows, options.match) <
-           options.min_strongest_matches;
-}
-
-Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& packed,
+Attempt attempt_pair(const VerificationInput& input, const PreparedDescriptors& prepared,
                      ImageId candidate_id, const VerificationOptions& options) {
     const Result<ImageFeatures> loaded = input.load(candidate_id);
     if (!loaded) return failed(loaded.error());
@@ -92,19 +83,19 @@ Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& pa
 
     Attempt attempt;
     Clock::time_point start = Clock::now();
-    if (is_hopeless(*candidate.descriptors, packed, options)) {
+    const std::optional<std::vector<FeatureMatch>> matches =
+        match_images(*candidate.descriptors, *input.image.descriptors, prepared,
+                     comes_first(candidate, input.image), options.match, options.cells);
+    attempt.match_ms = milliseconds_since(start);
+    if (!matches) {
         attempt.outcome = Outcome::kTooFewStrongest;
-        attempt.match_ms = milliseconds_since(start);
         return attempt;
     }
-    const std::vector<FeatureMatch> matches =
-        match_descriptors(*candidate.descriptors, packed, options.match);
-    attempt.putative_matches = matches.size();
-    attempt.match_ms = milliseconds_since(start);
+    attempt.putative_matches = matches->size();
 
     start = Clock::now();
     Result<TwoViewGeometry> geometry =
-        verify_images(candidate, input.image, matches, options.verify, input.seed);
+        verify_images(candidate, input.image, *matches, options.verify, input.seed);
     attempt.verify_ms = milliseconds_since(start);
     if (!geometry) {
         const ErrorCode code = geometry.error().code;
@@ -124,10 +115,10 @@ Attempt attempt_pair(const VerificationInput& input, const PackedDescriptors& pa
     return attempt;
 }
 
-Attempt attempt_pair_catching(const VerificationInput& input, const PackedDescriptors& packed,
+Attempt attempt_pair_catching(const VerificationInput& input, const PreparedDescriptors& prepared,
                               ImageId candidate_id, const VerificationOptions& options) {
     try {
-        return attempt_pair(input, packed, candidate_id, options);
+        return attempt_pair(input, prepared, candidate_id, options);
     } catch (const std::exception& exception) {
         return failed({ErrorCode::kInternal,
                        "verifying images " + std::to_string(index_of(candidate_id)) + " and " +
@@ -159,6 +150,16 @@ void count(const Attempt& attempt, VerificationStatistics& statistics) {
     }
 }
 
+/// Candidates that are tried side by side next: as many as it takes for what is missing, going by
+/// what came of those before, but few enough to stop in time and enough for several threads.
+std::size_t size_of_round(std::size_t tried, std::size_t verified, std::size_t enough) {
+    if (tried == 0) return enough;
+    const std::size_t missing = enough - verified;
+    const std::size_t expected = (missing * tried + verified) / std::max<std::size_t>(1, verified);
+    return std::clamp(expected, std::max<std::size_t>(1, enough / 6),
+                      std::max<std::size_t>(1, enough / 2));
+}
+
 }  // namespace
 
 FeatureLoader loader_of(std::vector<ImageFeatures> images) {
@@ -175,10 +176,7 @@ FeatureLoader loader_of(std::vector<ImageFeatures> images) {
 
 Result<void> validate(const VerificationOptions& options) {
     if (const Result<void> valid = validate(options.match); !valid) return valid;
-    if (options.strongest_rows == 0) {
-        return Error{ErrorCode::kInvalidArgument,
-                     "verification: strongest_rows must be at least 1"};
-    }
+    if (const Result<void> valid = validate(options.cells); !valid) return valid;
     return validate(options.verify);
 }
 
@@ -211,16 +209,16 @@ Result<VerificationOutput> run_verification(const VerificationInput& input,
     }
     if (candidates.empty()) return VerificationOutput{};
 
-    const PackedDescriptors packed = pack(*input.image.descriptors);
+    const PreparedDescriptors prepared = prepare(*input.image.descriptors, options.cells);
     const std::size_t enough =
         input.ranked && options.enough_pairs > 0 ? options.enough_pairs : candidates.size();
     VerificationOutput output;
-    std::size_t round = enough;
     for (std::size_t tried = 0; tried < candidates.size() && output.pairs.size() < enough;
-         tried += std::exchange(round, std::max<std::size_t>(1, enough / 2))) {
+         tried = output.statistics.tried) {
+        const std::size_t round = size_of_round(tried, output.pairs.size(), enough);
         std::vector<Attempt> attempts(std::min(round, candidates.size() - tried));
         tbb::parallel_for(std::size_t{0}, attempts.size(), [&](std::size_t i) {
-            attempts[i] = attempt_pair_catching(input, packed, candidates[tried + i], options);
+            attempts[i] = attempt_pair_catching(input, prepared, candidates[tried + i], options);
         });
         for (Attempt& attempt : attempts) {
             if (attempt.outcome == Outcome::kFailed) return std::move(attempt.error);

@@ -13,6 +13,7 @@
 #include "graph/image.h"
 #include "graph/result.h"
 #include "graph/two_view_geometry.h"
+#include "stages/verification/descriptor_cells.h"
 #include "stages/verification/match_descriptors.h"
 #include "stages/verification/verify_options.h"
 
@@ -48,15 +49,8 @@ struct VerificationInput {
 
 struct VerificationOptions {
     MatchOptions match;
+    CellOptions cells;
     VerifyOptions verify;
-    /// Features of largest scale that the cheap test below matches; images of fewer than twice as
-    /// many are matched fully at once. Raised: the test costs more (quadratic); lowered: it loses
-    /// pairs. Source: ours, see docs/matching.md.
-    std::size_t strongest_rows = 2112;
-    /// Fewest matches among these for a full match; 0: every candidate is matched fully. Raised:
-    /// faster, and pairs with little overlap are lost. 8: 2 in 1,000 true pairs are lost, two of
-    /// three hopeless ones cost a fifteenth. Source: ours, see docs/matching.md.
-    std::size_t min_strongest_matches = 8;
     /// Verified pairs after which the search among ranked candidates ends; 0: all are tried.
     /// Raised: time, and edges, grow in proportion where everything overlaps; lowered: fewer ways
     /// around a wrong pair, and shorter tracks. Source: ours, see docs/matching.md.
@@ -68,7 +62,7 @@ Result<void> validate(const VerificationOptions& options);
 struct VerificationStatistics {
     std::size_t tried = 0;  ///< candidates, without those that were not needed any more
     std::size_t verified = 0;
-    std::size_t too_few_strongest = 0;  ///< left out by min_strongest_matches
+    std::size_t too_few_strongest = 0;  ///< hopeless by CellOptions::min_strongest_matches
     std::size_t too_few_matches = 0;
     std::size_t degenerate = 0;  ///< no geometry that enough matches agree with
     std::size_t putative_matches = 0;
@@ -83,7 +77,8 @@ struct VerificationOutput {
 };
 
 /// Stage: one image against its candidates, pairs in parallel (TBB); ranked ones in rounds, the
-/// first of options.enough_pairs, the others of half as many, until enough have been verified.
+/// first of options.enough_pairs, the others of as many as seem to be needed, a sixth to half of
+/// these, until enough have been verified.
 /// A pair's result depends on the two images' contents and cameras and on seed only: it is
 /// verified in the direction of ascending content hash, then turned into the order of ids. Any
 /// arrival order and any number of threads give the same pairs, poses inverted where ids are

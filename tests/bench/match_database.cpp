@@ -10,7 +10,7 @@
 #include <iostream>
 #include <vector>
 
-#include "stages/verification/match_descriptors.h"
+#include "stages/verification/descriptor_cells.h"
 #include "storage/exchange/colmap_database.h"
 
 namespace psfm {
@@ -23,9 +23,13 @@ double processor_seconds() {
 std::size_t match_all(const std::vector<Descriptors>& images) {
     std::size_t matches = 0;
     for (std::size_t b = 1; b < images.size(); ++b) {
-        const PackedDescriptors packed = pack(images[b]);
-        for (std::size_t a = 0; a < b; ++a)
-            matches += match_descriptors(images[a], packed, MatchOptions{}).size();
+        const PreparedDescriptors prepared = prepare(images[b], {});
+        // A run divides the image whose file has the larger hash: one as often as the other.
+        for (std::size_t a = 0; a < b; ++a) {
+            const bool divide_b = (a + b) % 2 == 0;
+            if (const auto found = match_images(images[a], images[b], prepared, divide_b, {}, {}))
+                matches += found->size();
+        }
     }
     return matches;
 }

@@ -56,15 +56,6 @@ void BM_Pack(benchmark::State& state) {
 }
 BENCHMARK(BM_Pack)->Arg(8000)->Unit(benchmark::kMillisecond);
 
-void BM_CountMatchesOfStrongest(benchmark::State& state) {
-    const Descriptors a = random_descriptors(8000, 1);
-    const PackedDescriptors b = pack(random_descriptors(8000, 2));
-    const auto strongest = static_cast<std::size_t>(state.range(0));
-    for (auto _ : state)
-        benchmark::DoNotOptimize(count_matches_of_strongest(a, b, strongest, MatchOptions{}));
-}
-BENCHMARK(BM_CountMatchesOfStrongest)->Arg(512)->Arg(1024)->Unit(benchmark::kMillisecond);
-
 #ifdef __x86_64__
 /// 24 independent sums, as many as the kernel has: enough to hide the latency of vpdpbusd.
 __attribute__((target("avx512f,avx512vnni"))) void BM_PeakVpdpbusd(benchmark::State& state) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// When images give back the tokens that let others in.
+// When images give back the tokens that let others in, and when a version shows them.
 #include <gtest/gtest.h>
 
 #include "tests/scheduler/serial_session.h"
@@ -70,6 +70,45 @@ TEST_F(AdmissionTest, ADeterministicSessionTakesOneAfterTheOther) {
     EXPECT_EQ(session->released(), start_);
     session->release_solves();
     EXPECT_EQ(session->released(), start_ + 1);
+}
+
+TEST_F(AdmissionTest, VersionsLeaveTimeForOtherWorkUnlessTheyHoldUpImages) {
+    const auto session = solving(false);
+    session->release_solves();
+    session->merges_take(1e9);
+    session->add_image();
+    const std::uint64_t before = session->state().scene->version;
+    session->hold_solves();
+    session->add_image();
+    session->add_image();
+    EXPECT_EQ(session->state().scene->version, before) << "a solve is under way";
+    session->add_image();
+    EXPECT_GT(session->state().scene->version, before) << "an image keeps its token";
+    const std::uint64_t waiting = session->state().scene->version;
+    session->release_solves();
+    EXPECT_GT(session->state().scene->version, waiting) << "there is no other work";
+    EXPECT_EQ(session->state().counts.placed, kTogether);
+    EXPECT_EQ(session->reported().size(), kAlone + kTogether);
+}
+
+TEST_F(AdmissionTest, AVersionShowsModelsThatAreSolvedAgainMeanwhile) {
+    const auto session = solving(false);
+    session->release_solves();
+    session->add_image();
+    ASSERT_EQ(session->state().counts.placed, kBeforeModel + 1);
+    session->hold_merges();
+    session->add_image();  // verified: a merge begins; solved while that goes on
+    session->hold_solves();
+    session->add_image();  // the next solve goes on until the end
+    session->release_merge();
+    EXPECT_EQ(session->state().counts.placed, kBeforeModel + 1) << "the model as it was";
+    session->release_merge();
+    EXPECT_EQ(session->state().counts.placed, kBeforeModel + 2);
+    EXPECT_EQ(session->reported().back(), kAlone + kBeforeModel + 2)
+        << "it is placed, though its cluster is being solved for another image";
+    const auto stored = store_->scene();
+    ASSERT_TRUE(stored.ok());
+    EXPECT_EQ(placed_count(*stored), kBeforeModel + 2) << "as it is read from the store";
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(ClusterTable, JoinedModelsAreBothMaterial) {
     EXPECT_EQ(table.of(image(4)).id, cluster(0));
 }
 
-TEST(ClusterTable, ASplitModelIsWithdrawnAndBothPartsKeepTheirs) {
+TEST(ClusterTable, ASplitModelIsCutAndBothPartsKeepTheirs) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2, 3, 4, 5}));
     solve_dirty(table);
@@ -108,8 +108,21 @@ TEST(ClusterTable, ASplitModelIsWithdrawnAndBothPartsKeepTheirs) {
     ASSERT_EQ(dirty.size(), 2U);
     EXPECT_EQ(material_of(*dirty[0]), Models{images({0, 1, 2})});
     EXPECT_EQ(material_of(*dirty[1]), Models{images({3, 4, 5})});
-    for (const ClusterEntry* entry : dirty)
-        EXPECT_EQ(entry->model, nullptr) << "no image may stand in two models";
+    ASSERT_NE(dirty[0]->model, nullptr) << "what stays is shown on";
+    EXPECT_EQ(images_in(*dirty[0]->model), images({0, 1, 2})) << "no image stands in two models";
+    EXPECT_EQ(dirty[0]->revision, 1U) << "of the solution that it is a part of";
+    EXPECT_EQ(dirty[1]->model, nullptr);
+}
+
+TEST(ClusterTable, AModelThatIsCutBelowMuMinIsShownNoMore) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2, 3, 4}));
+    solve_dirty(table);
+    ClusteringEdit split;
+    split.changed = {{cluster(0), images({0, 1, 5})}, {cluster(1), images({2, 3, 4})}};
+    split.moved.push_back({cluster(0), cluster(1), images({2, 3, 4})});
+    table.apply(split);
+    EXPECT_EQ(table.entries().at(cluster(0)).model, nullptr);
 }
 
 TEST(ClusterTable, AGroupBelowMuMinBringsNoModel) {

@@ -50,14 +50,17 @@ inline Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& pla
     return solve;
 }
 
+inline std::vector<ImageId> images_in(const Reconstruction& model) {
+    std::vector<ImageId> images;
+    for (const RegisteredImage& placed : model.images) images.push_back(placed.image);
+    return images;
+}
+
 /// The models that the next solve starts from, by the images they place.
 inline std::vector<std::vector<ImageId>> material_of(const ClusterEntry& entry) {
     std::vector<std::vector<ImageId>> models;
-    for (const RecycledModel& recycled : entry.material) {
-        models.emplace_back();
-        for (const RegisteredImage& placed : recycled.model->images)
-            models.back().push_back(placed.image);
-    }
+    for (const RecycledModel& recycled : entry.material)
+        models.push_back(images_in(*recycled.model));
     return models;
 }
 using Models = std::vector<std::vector<ImageId>>;

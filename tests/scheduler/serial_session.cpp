@@ -6,6 +6,7 @@
 
 #include <deque>
 #include <iterator>
+#include <utility>
 
 #include "stages/merge/run_merge.h"
 #include "stages/reconstruction/solve_cluster.h"
@@ -73,6 +74,24 @@ CommitInput SerialSession::solved(const SolveMessage& solve) const {
                              solve_cluster(*solve.problem, options_.solve, nullptr))};
 }
 
+CommitInput SerialSession::merged(const MergeMessage& merge) {
+    using Outcome = MergedMessage::Outcome;
+    auto result = run_merge(*merge.problem, options_.merge);
+    EXPECT_TRUE(result.ok());
+    auto adoptions =
+        adoption_trials_.find(*merge.problem, *result, *merge.unplaced, options_.solve);
+    return MergedMessage{
+        merge.problem, merge.unplaced,
+        std::make_shared<const Result<Outcome>>(Outcome{*std::move(result), std::move(adoptions)}),
+        merge_ms_};
+}
+
+void SerialSession::release_merge() {
+    ASSERT_TRUE(held_merge_.has_value());
+    const MergeMessage merge = *std::exchange(held_merge_, std::nullopt);
+    EXPECT_TRUE(run({merged(merge)}, kAll));
+}
+
 void SerialSession::release_solves() {
     holds_solves_ = false;
     std::vector<CommitInput> messages;
@@ -99,15 +118,11 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
             }
         }
         if (output->merge) {
-            auto merged = run_merge(*output->merge->problem, options_.merge);
-            EXPECT_TRUE(merged.ok());
-            auto adoptions = adoption_trials_.find(*output->merge->problem, *merged,
-                                                   *output->merge->unplaced, options_.solve);
-            using Outcome = MergedMessage::Outcome;
-            queue.push_back(MergedMessage{output->merge->problem, output->merge->unplaced,
-                                          std::make_shared<const Result<Outcome>>(
-                                              Outcome{*std::move(merged), std::move(adoptions)}),
-                                          0.0});
+            if (holds_merges_) {
+                held_merge_ = output->merge;
+            } else {
+                queue.push_back(merged(*output->merge));
+            }
         }
         if (!output->publish) continue;
         released_ += output->publish->images_released;

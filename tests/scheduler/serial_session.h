@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -32,6 +33,11 @@ class SerialSession {
     /// Solves take until the next release_solves(); messages that follow overtake them.
     void hold_solves() { holds_solves_ = true; }
     void release_solves();
+    /// Merges take until release_merge(), which lets the one in flight end.
+    void hold_merges() { holds_merges_ = true; }
+    void release_merge();
+    /// What merges say that they took from now on.
+    void merges_take(double milliseconds) { merge_ms_ = milliseconds; }
 
     const SessionState& state() const { return committer_->state(); }
     const std::vector<SessionEvent>& events() const { return events_; }
@@ -46,6 +52,7 @@ class SerialSession {
     bool run(std::vector<CommitInput> messages, std::size_t at_most);
     CommitInput verified(ImageId image) const;
     CommitInput solved(const SolveMessage& solve) const;
+    CommitInput merged(const MergeMessage& merge);
 
     const synthetic::SyntheticScene* scene_;
     const std::vector<VerifiedPairPtr>* pairs_;
@@ -59,6 +66,9 @@ class SerialSession {
     std::uint32_t released_ = 0;
     bool holds_solves_ = false;
     std::vector<SolveMessage> held_;
+    bool holds_merges_ = false;
+    std::optional<MergeMessage> held_merge_;
+    double merge_ms_ = 0.0;
 };
 
 }  // namespace psfm::test

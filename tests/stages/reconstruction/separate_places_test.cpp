@@ -84,6 +84,39 @@ TEST(SideBySide, CountsWhatImagesShareAndShould) {
     }
 }
 
+TEST(SideBySide, AFewPointsOfEachImageSayNearlyTheSame) {
+    const SyntheticScene scene = two_streets(kImages, 0.1, 4);
+    const Reconstruction model = synthetic::true_reconstruction(scene, {});
+    constexpr std::uint32_t kFew = 30;
+    const auto all = find_side_by_side(model, {});
+    const auto glance = find_side_by_side(model, {}, kFew);
+    // The depth of what an image sees, and with it who stands beside it, is a little different.
+    std::size_t found = 0;
+    for (const SideBySide& pair : all) {
+        const auto same = std::ranges::find_if(glance, [&](const SideBySide& other) {
+            return other.first == pair.first && other.second == pair.second;
+        });
+        if (same == glance.end()) continue;
+        ++found;
+        EXPECT_NEAR(same->expected, pair.expected, 0.5 * pair.expected)
+            << "a point counts for several";
+        EXPECT_NEAR(same->shared_part(), pair.shared_part(), 0.1);
+    }
+    EXPECT_GT(found, all.size() * 9 / 10);
+    EXPECT_LT(glance.size(), all.size() * 11 / 10);
+    EXPECT_EQ(find_side_by_side(model, {}, 1000000).size(), all.size()) << "of all points";
+    const auto counted = count_all_points(model, {}, glance);
+    EXPECT_EQ(counted.size(), glance.size());
+    for (const SideBySide& pair : counted) {
+        const auto same = std::ranges::find_if(all, [&](const SideBySide& other) {
+            return other.first == pair.first && other.second == pair.second;
+        });
+        if (same == all.end()) continue;
+        EXPECT_EQ(pair.expected, same->expected);
+        EXPECT_EQ(pair.shared, same->shared);
+    }
+}
+
 TEST(SideBySide, LeavesOutImagesThatLookElsewhereAndPointsOfFew) {
     const SyntheticScene scene = two_streets(8, 1.2, 4);
     const Reconstruction model = synthetic::true_reconstruction(scene, {});

@@ -6,12 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "stages/verification/match_with_kernel.h"
+#include "tests/stages/verification/random_descriptors.h"
 
 namespace psfm {
 namespace {
@@ -64,53 +63,6 @@ std::vector<FeatureMatch> match_by_brute_force(const Descriptors& a, const Descr
         }
     }
     return matches;
-}
-
-Descriptors random_bytes(std::size_t rows, int low, int high, std::uint32_t seed) {
-    std::mt19937 random(seed);
-    Descriptors out;
-    out.values.resize(rows * Descriptors::kSize);
-    for (std::uint8_t& value : out.values) {
-        value = static_cast<std::uint8_t>(
-            low + static_cast<int>(random() % static_cast<std::uint32_t>(high - low + 1)));
-    }
-    return out;
-}
-
-/// Rows of length 512 like RootSIFT's.
-Descriptors random_root_sift(std::size_t rows, std::uint32_t seed) {
-    std::mt19937 random(seed);
-    Descriptors out;
-    for (std::size_t i = 0; i < rows; ++i) {
-        std::array<double, Descriptors::kSize> histogram{};
-        double sum = 0.0;
-        for (double& bin : histogram)
-            sum += bin = -std::log(static_cast<double>(random() % 1000 + 1) / 1001.0);
-        for (const double bin : histogram) {
-            out.values.push_back(static_cast<std::uint8_t>(
-                std::min(255.0, std::round(512.0 * std::sqrt(bin / sum)))));
-        }
-    }
-    return out;
-}
-
-/// `of` in another order, with noise: a known answer for matching.
-Descriptors shuffled_and_noisy(const Descriptors& of, std::vector<std::size_t>& source, int noise,
-                               std::uint32_t seed) {
-    std::mt19937 random(seed);
-    source.resize(of.rows());
-    for (std::size_t i = 0; i < source.size(); ++i) source[i] = i;
-    for (std::size_t i = source.size(); i-- > 1;) std::swap(source[i], source[random() % (i + 1)]);
-    Descriptors out;
-    for (const std::size_t i : source) {
-        for (std::size_t k = 0; k < Descriptors::kSize; ++k) {
-            const int offset =
-                static_cast<int>(random() % static_cast<std::uint32_t>(2 * noise + 1)) - noise;
-            out.values.push_back(
-                static_cast<std::uint8_t>(std::clamp(of.row(i)[k] + offset, 0, 255)));
-        }
-    }
-    return out;
 }
 
 class EveryKernel : public testing::TestWithParam<NamedDotKernel> {
@@ -237,20 +189,6 @@ TEST(MatchDescriptors, DistanceLimitIsOnUnitLength) {
     EXPECT_THAT(match_descriptors(a, b, {.max_ratio = 0.8, .max_distance = 0.196}),
                 ElementsAre(FeatureMatch{0, 0}));
     EXPECT_THAT(match_descriptors(a, b, {.max_ratio = 0.8, .max_distance = 0.195}), IsEmpty());
-}
-
-TEST(MatchDescriptors, StrongestFeaturesOnlyLookAtTheFirstRows) {
-    const Descriptors a = random_root_sift(300, 16);
-    std::vector<std::size_t> source;
-    const Descriptors b = shuffled_and_noisy(a, source, 5, 17);
-    const PackedDescriptors packed = pack(b);
-    std::size_t expected = 0;
-    for (std::size_t j = 0; j < 96; ++j) expected += source[j] < 96 ? 1 : 0;
-    EXPECT_EQ(count_matches_of_strongest(a, packed, 96, {}), expected);
-    EXPECT_EQ(count_matches_of_strongest(a, packed, 90, {}), expected);  // rounded up to 96
-    EXPECT_EQ(count_matches_of_strongest(a, packed, 10000, {}), 300U);
-    EXPECT_EQ(count_matches_of_strongest(a, packed, 0, {}), 0U);
-    EXPECT_EQ(count_matches_of_strongest({}, packed, 96, {}), 0U);
 }
 
 TEST(MatchDescriptors, PackedCopyMatchesLikeTheOriginal) {
