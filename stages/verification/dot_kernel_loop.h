@@ -132,7 +132,7 @@ class DotLoop {
             column_keys[j / kStripColumns].lane[j % kStripColumns] = column_key(j);
         for (std::size_t begin = 0; begin < in_.row_count; begin += kSliceRows) {
             const std::size_t end = smaller(begin + kSliceRows, in_.row_count);
-            Slice slice;
+            Slice slice{};
             load_slice(begin, begin, end, slice);
             for (std::size_t strip = 0; strip < strips_; strip += Isa::kTileStrips) {
                 for (std::size_t r = 0; r < slice.rows_used; r += Isa::kTileRows) {
@@ -169,17 +169,13 @@ class DotLoop {
     }
 
     /// The rows [begin, end), at most kSliceRows, whose positions count from `block`.
+    /// REQUIRES: the slice is all zero.
     void load_slice(std::size_t block, std::size_t begin, std::size_t end, Slice& slice) const {
-        for (std::size_t r = 0; r < kSliceRows; ++r) {
-            std::uint8_t* to = slice.rows + r * kDescriptorBytes;
-            if (begin + r >= end) {
-                std::memset(to, 0, kDescriptorBytes);
-                slice.row_keys[r] = kNoDistance;
-                slice.row_offsets[r] = 0;
-                continue;
-            }
+        for (std::size_t r = end - begin; r < kSliceRows; ++r) slice.row_keys[r] = kNoDistance;
+        for (std::size_t r = 0; r < end - begin; ++r) {
             const std::size_t i = number_of(begin + r);
-            std::memcpy(to, in_.rows + i * kDescriptorBytes, kDescriptorBytes);
+            std::memcpy(slice.rows + r * kDescriptorBytes, in_.rows + i * kDescriptorBytes,
+                        kDescriptorBytes);
             slice.row_keys[r] =
                 in_.row_norms[i] * kKeyUnit + static_cast<std::int32_t>(begin + r - block);
             slice.row_offsets[r] = 128 * in_.row_sums[i];
@@ -191,7 +187,7 @@ class DotLoop {
     /// strips [strip_begin, strip_end) of one column block.
     void run_slice(std::size_t block, std::size_t begin, std::size_t end, std::size_t strip_begin,
                    std::size_t strip_end) {
-        Slice slice;
+        Slice slice{};
         load_slice(block, begin, end, slice);
         LaneMinima row_minima[kSliceRows];
         for (LaneMinima& minima : row_minima) clear(minima);

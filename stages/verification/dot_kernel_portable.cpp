@@ -15,12 +15,12 @@ struct PortableIsa {
     };
 
     static Vector set1(std::int32_t value) {
-        Vector out;
+        Vector out{};
         for (std::int32_t& x : out.lane) x = value;
         return out;
     }
     static Vector load(const std::int32_t* from) {
-        Vector out;
+        Vector out{};
         std::memcpy(out.lane, from, sizeof(out.lane));
         return out;
     }
@@ -28,13 +28,13 @@ struct PortableIsa {
         std::memcpy(to, from.lane, sizeof(from.lane));
     }
     static Vector min(const Vector& a, const Vector& b) {
-        Vector out;
+        Vector out{};
         for (std::size_t i = 0; i < kLanes; ++i)
             out.lane[i] = a.lane[i] < b.lane[i] ? a.lane[i] : b.lane[i];
         return out;
     }
     static Vector max(const Vector& a, const Vector& b) {
-        Vector out;
+        Vector out{};
         for (std::size_t i = 0; i < kLanes; ++i)
             out.lane[i] = a.lane[i] < b.lane[i] ? b.lane[i] : a.lane[i];
         return out;
@@ -42,14 +42,14 @@ struct PortableIsa {
     /// Modulo 2^32, as is sub: 512 * dot may exceed an int32, and the difference of the two comes
     /// out right.
     static Vector times512(const Vector& a) {
-        Vector out;
+        Vector out{};
         for (std::size_t i = 0; i < kLanes; ++i) {
             out.lane[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(a.lane[i]) * 512U);
         }
         return out;
     }
     static Vector sub(const Vector& a, const Vector& b) {
-        Vector out;
+        Vector out{};
         for (std::size_t i = 0; i < kLanes; ++i) {
             out.lane[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(a.lane[i]) -
                                                     static_cast<std::uint32_t>(b.lane[i]));
