@@ -41,6 +41,10 @@ struct PlaceOptions {
     /// for two places; 0: a model is never looked at. Lowered: wrong poses of single images count
     /// as folds; raised: folds are seen later. Ours.
     std::uint32_t min_contradictions = 5;
+    /// Images of a place at least: fewer are images with wrong poses, which later adjustments and
+    /// resets put right, and which could not make a cluster. Ours: two of 435 photographs of
+    /// quad-streams were taken for a place, and stayed without one in the end.
+    std::uint32_t min_images = 5;
     /// Part of the expected points up to which a pair shares nothing: chance matches do occur.
     double max_shared_by_chance = 0.02;
 };

@@ -74,11 +74,14 @@ std::vector<SignedEdge> weigh(const Reconstruction& model, std::span<const Verif
 std::set<std::uint32_t> contradicted(std::span<const std::uint32_t> part_of,
                                      std::span<const SideBySide> pairs,
                                      const PlaceOptions& options) {
+    std::map<std::uint32_t, std::uint32_t> images;
+    for (const std::uint32_t part : part_of) ++images[part];
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> contradictions;
     for (const SideBySide& pair : pairs) {
         const auto parts = std::minmax(part_of[pair.first], part_of[pair.second]);
         if (parts.first == parts.second || pair.shared_part() > options.max_shared_by_chance)
             continue;
+        if (std::min(images[parts.first], images[parts.second]) < options.min_images) continue;
         ++contradictions[{parts.first, parts.second}];
     }
     std::set<std::uint32_t> result;

@@ -63,6 +63,15 @@ TEST(SeparatePlaces, FewContradictionsAreNoFold) {
     EXPECT_TRUE(places_of(scene, options).empty()) << "switched off";
 }
 
+TEST(SeparatePlaces, AFewImagesAreNoPlace) {
+    const SyntheticScene scene = two_streets(kImages, 0.4, 2);
+    PlaceOptions options;
+    options.min_images = kImages / 2;
+    EXPECT_EQ(places_of(scene, options).size(), 2U);
+    options.min_images = kImages / 2 + 1;
+    EXPECT_TRUE(places_of(scene, options).empty()) << "they have wrong poses";
+}
+
 TEST(SideBySide, CountsWhatImagesShareAndShould) {
     const SyntheticScene scene = two_streets(kImages, 0.1, 4);
     const Reconstruction model = synthetic::true_reconstruction(scene, synthetic::random_gauge(5));
