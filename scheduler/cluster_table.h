@@ -37,10 +37,12 @@ struct ClusterEntry {
     /// (host_cluster), or could not place them (ClusterTable::adopt). Ascending.
     std::vector<ImageId> guests;
     ClusterPhase phase = ClusterPhase::kClean;
-    std::uint32_t topology = 0;                   ///< counts changes of membership, from 1
-    std::uint32_t solved_topology = 0;            ///< topology of the published model
-    std::uint32_t revision = 0;                   ///< counts published models
-    std::shared_ptr<const Reconstruction> model;  ///< published; null before the first solve
+    std::uint32_t topology = 0;         ///< counts changes of membership, from 1
+    std::uint32_t solved_topology = 0;  ///< topology of the published model
+    std::uint32_t revision = 0;         ///< counts published models
+    /// Published, without images that have left since; null before the first solve, and when fewer
+    /// than mu_min are left.
+    std::shared_ptr<const Reconstruction> model;
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     /// What the next solve extends or joins: the own model, and what images have brought along that
     /// moved here together (paper sec. "Cluster Tracking and Recycling").
