@@ -23,37 +23,6 @@ struct PlacedCamera {
     double depth = 0.0;  ///< of what it sees: a harmonic mean; 0: it sees nothing
 };
 
-/// By image, over so many of the points that each image sees some tens.
-std::vector<double> mean_depths(const Reconstruction& model) {
-    constexpr std::size_t kPointsOfAnImage = 30;
-    struct Sum {
-        double inverse = 0.0;
-        std::size_t points = 0;
-    };
-    std::vector<Sum> sums(model.images.size());
-    const std::size_t step =
-        std::max<std::size_t>(1, 3 * model.points.size() / (kPointsOfAnImage * sums.size()));
-    for (std::size_t p = 0; p < model.points.size(); p += step) {
-        auto image = model.images.begin();  // both ascend by image
-        for (const Observation& seen : model.points[p].track) {
-            image = std::lower_bound(image, model.images.end(), seen.image,
-                                     [](const RegisteredImage& registered, ImageId id) {
-                                         return registered.image < id;
-                                     });
-            const double depth = (image->cam_from_cluster * model.points[p].position).z();
-            if (!(depth > 0.0)) continue;
-            Sum& sum = sums[static_cast<std::size_t>(image - model.images.begin())];
-            sum.inverse += 1.0 / depth;
-            ++sum.points;
-        }
-    }
-    std::vector<double> depths(sums.size(), 0.0);
-    for (std::size_t k = 0; k < sums.size(); ++k) {
-        if (sums[k].points > 0) depths[k] = static_cast<double>(sums[k].points) / sums[k].inverse;
-    }
-    return depths;
-}
-
 struct Count {
     std::size_t matched = 0;
     std::size_t unmatched = 0;
@@ -75,7 +44,7 @@ class Cameras {
         std::vector<Eigen::Vector3d> centres;
         for (std::uint32_t c = 0; c < models.size(); ++c) {
             const Sim3& frame = models[c].component_from_cluster;
-            const std::vector<double> depths = mean_depths(*models[c].model);
+            const std::span<const double> depths = models[c].depths;
             for (std::size_t k = 0; k < depths.size(); ++k) {
                 const RegisteredImage& image = models[c].model->images[k];
                 const Eigen::Vector3d ahead =
@@ -120,6 +89,37 @@ class Cameras {
 };
 
 }  // namespace
+
+std::vector<double> mean_depths(const Reconstruction& model) {
+    // Over so many of the points that each image sees some tens.
+    constexpr std::size_t kPointsOfAnImage = 30;
+    struct Sum {
+        double inverse = 0.0;
+        std::size_t points = 0;
+    };
+    std::vector<Sum> sums(model.images.size());
+    const std::size_t step =
+        std::max<std::size_t>(1, 3 * model.points.size() / (kPointsOfAnImage * sums.size()));
+    for (std::size_t p = 0; p < model.points.size(); p += step) {
+        auto image = model.images.begin();  // both ascend by image
+        for (const Observation& seen : model.points[p].track) {
+            image = std::lower_bound(image, model.images.end(), seen.image,
+                                     [](const RegisteredImage& registered, ImageId id) {
+                                         return registered.image < id;
+                                     });
+            const double depth = (image->cam_from_cluster * model.points[p].position).z();
+            if (!(depth > 0.0)) continue;
+            Sum& sum = sums[static_cast<std::size_t>(image - model.images.begin())];
+            sum.inverse += 1.0 / depth;
+            ++sum.points;
+        }
+    }
+    std::vector<double> depths(sums.size(), 0.0);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+        if (sums[k].points > 0) depths[k] = static_cast<double>(sums[k].points) / sums[k].inverse;
+    }
+    return depths;
+}
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contradictions(
     std::span<const PlacedModel> models, std::span<const ImagePair> edges,

@@ -14,9 +14,14 @@
 
 namespace psfm {
 
+/// How far away is what the images of a model see: a harmonic mean over some of the points, in the
+/// model's units; 0 for an image that sees nothing. By image, as in Reconstruction::images.
+std::vector<double> mean_depths(const Reconstruction& model);
+
 /// A cluster in the frame of its component.
 struct PlacedModel {
     const Reconstruction* model = nullptr;
+    std::span<const double> depths;  ///< mean_depths(*model)
     Sim3 component_from_cluster;
 };
 
@@ -26,7 +31,7 @@ struct PlacedModel {
 /// @param edges  of the view graph, ascending by images; those within clusters may be left out
 /// @return pairs of positions in `models`, ascending
 /// Deterministic on any number of threads. Thread-safe. Cost: one search an image among all
-/// centres, and one pass over all observations.
+/// centres.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contradictions(
     std::span<const PlacedModel> models, std::span<const ImagePair> edges,
     const ClusterConstraintOptions& options);

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/run_merge.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -149,6 +152,7 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
 struct ClusterGraph {
     std::vector<const MergeCluster*> clusters;  ///< ascending by id
     std::vector<std::size_t> sizes;
+    std::vector<std::vector<double>> depths;  ///< mean_depths() of each
     std::vector<PoseGraphEdge> edges;
     std::vector<ClusterConstraint*> constraints;  ///< by edge
 };
@@ -196,7 +200,8 @@ std::vector<SignedEdge> contradictions_of(const ClusterGraph& graph, const Clust
         for (std::uint32_t c = 0; c < graph.clusters.size(); ++c) {
             if (poses.component[c] != component) continue;
             numbers.push_back(c);
-            models.push_back({graph.clusters[c]->model.get(), poses.component_from_cluster[c]});
+            models.push_back(
+                {graph.clusters[c]->model.get(), graph.depths[c], poses.component_from_cluster[c]});
         }
         for (const auto& [a, b] : find_contradictions(models, pairs, options))
             contradictions.push_back({numbers[a], numbers[b], kNever});
@@ -248,6 +253,13 @@ Result<std::vector<Component>> solve_components(const MergeProblem& problem,
                                                 std::vector<PairTask>& tasks,
                                                 const MergeOptions& options) {
     ClusterGraph graph = graph_of(problem, tasks);
+    graph.depths.resize(graph.clusters.size());
+    // Isolated: a version is not to wait for a solve that this thread takes up in between.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(std::size_t{0}, graph.depths.size(), [&](std::size_t c) {
+            graph.depths[c] = mean_depths(*graph.clusters[c]->model);
+        });
+    });
     const auto poses = consistent_poses(graph, image_pairs(problem), options);
     if (!poses) return poses.error();
     for (std::size_t e = 0; e < graph.edges.size(); ++e)

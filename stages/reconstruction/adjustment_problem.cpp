@@ -27,7 +27,9 @@ AdjustmentSelection select_residuals(const WorkingModel& model, const Adjustment
     };
     for (const std::uint32_t image : scope.point_images) {
         visit_points(image, [&](const auto&, std::uint32_t point) {
-            selection.point_is_free[point] = true;
+            selection.point_is_free[point] =
+                scope.longest_moving_track == 0 ||
+                model.points()[point].track.size() <= scope.longest_moving_track;
         });
     }
     const auto add = [&](const WorkingModel::Feature& feature, std::uint32_t point) {

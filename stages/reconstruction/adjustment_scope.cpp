@@ -9,12 +9,32 @@
 namespace psfm {
 namespace {
 
+/// Of local adjustments. Raised: slower where many images see each point; lowered: fewer points
+/// follow a new image. COLMAP 3.8: 15.
+constexpr std::size_t kLongestMovingTrack = 15;
+
 std::vector<std::uint32_t> observation_counts(const WorkingModel& model) {
     std::vector<std::uint32_t> counts(model.image_count(), 0);
     for (const WorkingModel::Point& point : model.points()) {
         for (const WorkingModel::Feature& feature : point.track) ++counts[feature.image];
     }
     return counts;
+}
+
+/// Cameras that no registered image shares beside these, ascending.
+std::vector<CameraId> cameras_of_only(const WorkingModel& model,
+                                      const std::vector<std::uint32_t>& images) {
+    std::map<CameraId, bool> all_free;
+    for (std::uint32_t other = 0; other < model.image_count(); ++other) {
+        if (!model.registered(other)) continue;
+        auto [entry, added] = all_free.try_emplace(model.camera_id(other), true);
+        entry->second = entry->second && std::ranges::binary_search(images, other);
+    }
+    std::vector<CameraId> cameras;
+    for (const auto& [camera, is_free] : all_free) {
+        if (is_free && !model.is_held(camera)) cameras.push_back(camera);
+    }
+    return cameras;
 }
 
 }  // namespace
@@ -59,6 +79,7 @@ AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint
     std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t i) { return shared[i]; });
 
     AdjustmentScope scope;
+    scope.longest_moving_track = kLongestMovingTrack;
     scope.point_images.assign(images.begin(), images.end());
     scope.free_images = scope.point_images;
     // Two neighbours at least stay where they are: they carry the gauge.
@@ -67,17 +88,16 @@ AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint
     scope.free_images.insert(scope.free_images.end(), order.begin(),
                              order.begin() + static_cast<std::ptrdiff_t>(free_neighbors));
     std::ranges::sort(scope.free_images);
-    if (free_intrinsics) {
-        std::map<CameraId, bool> all_free;
-        for (std::uint32_t other = 0; other < model.image_count(); ++other) {
-            if (!model.registered(other)) continue;
-            auto [entry, added] = all_free.try_emplace(model.camera_id(other), true);
-            entry->second = entry->second && std::ranges::binary_search(scope.free_images, other);
-        }
-        for (const auto& [camera, is_free] : all_free) {
-            if (is_free) scope.free_cameras.push_back(camera);
-        }
-    }
+    if (free_intrinsics) scope.free_cameras = cameras_of_only(model, scope.free_images);
+    return scope;
+}
+
+AdjustmentScope region_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
+                             bool free_intrinsics) {
+    AdjustmentScope scope;
+    scope.free_images.assign(images.begin(), images.end());
+    scope.point_images = scope.free_images;
+    if (free_intrinsics) scope.free_cameras = cameras_of_only(model, scope.free_images);
     return scope;
 }
 

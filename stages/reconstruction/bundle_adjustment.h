@@ -50,6 +50,9 @@ struct AdjustmentScope {
         free_principal_points;  ///< ascending, of free_cameras: the principal point as well
     /// Points seen by these images move; all other points that free images see stay fixed.
     std::vector<std::uint32_t> point_images;
+    /// Points that more images see than this stay fixed: they are known well, and all who see them
+    /// would take part on their account. 0: all move.
+    std::size_t longest_moving_track = 0;
     /// Only these points take part at all, ascending; none given: all.
     std::optional<std::vector<std::uint32_t>> points;
     /// Fixes the gauge where no fixed image does: `origin` does not move at all, and `farthest`
@@ -66,8 +69,14 @@ struct AdjustmentScope {
 /// from it.
 AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics);
 
+/// Poses and points of some images; those of others hold the gauge. A camera is free when all its
+/// images are. REQUIRES: two registered images beside them at least
+AdjustmentScope region_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
+                             bool free_intrinsics);
+
 /// Some images and the `neighbors` others that share most points with them; points of the former
-/// move. A camera is free when all its images are.
+/// move, but for those of long tracks (COLMAP 3.8's mapper does likewise). A camera is free when
+/// all its images are.
 AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
                             std::size_t neighbors, bool free_intrinsics);
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,8 +29,8 @@ struct ClusterImage {
 
 /// What a solution hands to the next solve of the same cluster, beside its model.
 struct SolveState {
-    /// Images that were in the model when all of it was last adjusted: decides when it has grown by
-    /// eta_grow.
+    /// Images that were in the model when it was last adjusted, all of it or where it had grown:
+    /// decides when it has grown by eta_grow.
     std::uint32_t images_at_full_adjustment = 0;
     /// The last time that a model of this cluster contradicted the averaged rotations: how much the
     /// better of the old model and a new one did, and with how many images. Nothing is gained by
@@ -56,6 +57,9 @@ struct ClusterProblem {
     std::vector<std::shared_ptr<const Reconstruction>> recycled;
     SolveState recycled_state;  ///< of the first
     bool fix_intrinsics = false;
+    /// Cameras that registered images share which are not in this problem: nothing here may refine
+    /// them (surroundings.h).
+    std::set<CameraId> held_cameras;
     bool settle = false;  ///< no image is to be added: adjust all of the model to convergence
     std::uint64_t seed = 0;
 };

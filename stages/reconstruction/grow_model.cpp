@@ -32,7 +32,8 @@ std::optional<std::uint32_t> next_image(const WorkingModel& model,
 
 bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
     const Camera& camera = model.camera(image);
-    if (camera.focal_source != FocalSource::kUnknown) return true;
+    if (camera.focal_source != FocalSource::kUnknown || model.is_held(model.camera_id(image)))
+        return true;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
         if (model.registered(other) && model.camera_id(other) == model.camera_id(image))
             return true;
@@ -108,8 +109,8 @@ Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
         const double grown =
             static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;
         if (grown > options.eta_grow * static_cast<double>(state.images_at_full_adjustment)) {
-            const auto adjustments =
-                refine_model(model, problem.fix_intrinsics, options.growth, options);
+            const auto adjustments = refine_grown(model, static_cast<std::uint32_t>(grown),
+                                                  problem.fix_intrinsics, options);
             if (!adjustments.ok()) return adjustments.error();
             statistics.full_adjustments += *adjustments;
             state.images_at_full_adjustment = model.registered_count();

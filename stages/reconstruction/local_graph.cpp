@@ -122,4 +122,14 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     return graph;
 }
 
+CorrespondenceGraph correspondences_of(const ClusterProblem& problem, const LocalGraph& graph) {
+    std::vector<ImageId> ids;
+    std::vector<std::uint32_t> feature_counts;
+    for (const ClusterImage& image : problem.images) {
+        ids.push_back(image.id);
+        feature_counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
+    }
+    return {ids, feature_counts, graph.pairs};
+}
+
 }  // namespace psfm

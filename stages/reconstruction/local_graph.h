@@ -8,6 +8,7 @@
 
 #include "graph/result.h"
 #include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/correspondence_graph.h"
 #include "stages/reconstruction/solve_options.h"
 
 namespace psfm {
@@ -29,5 +30,8 @@ struct LocalGraph {
 /// (paper sec. "Robust Rotation Averaging").
 /// @errors kInvalidArgument, kDegenerate
 Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOptions& options);
+
+/// The matches of the pairs that are left.
+CorrespondenceGraph correspondences_of(const ClusterProblem& problem, const LocalGraph& graph);
 
 }  // namespace psfm

@@ -104,15 +104,21 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
             model.append(*part, *similarity);
             for (const RegisteredImage& image : part->images)
                 recycling.images.push_back(model.numbers().of(image.image));
+            for (const VerifiedPairPtr& pair : edges_between(graph, base, *part)) {
+                recycling.joint.push_back(model.numbers().of(pair->pair.first));
+                recycling.joint.push_back(model.numbers().of(pair->pair.second));
+            }
             parts.erase(part);
             ++recycling.joined;
             progress = true;
             break;
         }
     }
-    std::ranges::sort(recycling.images);
-    const auto repeated = std::ranges::unique(recycling.images);
-    recycling.images.erase(repeated.begin(), repeated.end());
+    for (std::vector<std::uint32_t>* images : {&recycling.images, &recycling.joint}) {
+        std::ranges::sort(*images);
+        const auto repeated = std::ranges::unique(*images);
+        images->erase(repeated.begin(), repeated.end());
+    }
     recycling.left = static_cast<std::uint32_t>(parts.size());
     return recycling;
 }

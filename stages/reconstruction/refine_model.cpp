@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/refine_model.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "stages/reconstruction/thin_points.h"
 #include "stages/reconstruction/tracks.h"
@@ -13,9 +17,11 @@ namespace {
 /// Images from which focal lengths are adjusted: two views hardly determine them.
 constexpr std::uint32_t kImagesForIntrinsics = 3;
 
-std::size_t observation_count(const WorkingModel& model) {
+/// Of the points that one of the images sees; of all points, when there are none.
+std::size_t observation_count(const WorkingModel& model, std::span<const std::uint32_t> images) {
     std::size_t count = 0;
-    for (const WorkingModel::Point& point : model.points()) count += point.track.size();
+    for (const std::uint32_t point : points_seen_by(model, images))
+        count += model.points()[point].track.size();
     return count;
 }
 
@@ -34,12 +40,79 @@ std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32
     return cameras;
 }
 
-std::size_t retriangulate(WorkingModel& model, const TrackOptions& options) {
-    std::size_t added = 0;
+/// Ascending.
+std::vector<std::uint32_t> registered_images(const WorkingModel& model) {
+    std::vector<std::uint32_t> images;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
-        if (model.registered(image)) added += triangulate_image(model, image, options);
+        if (model.registered(image)) images.push_back(image);
     }
-    return added;
+    return images;
+}
+
+/// The images, and all that share so many points with them that they hold each other; ascending.
+std::vector<std::uint32_t> with_neighbors(const WorkingModel& model,
+                                          const std::vector<std::uint32_t>& images) {
+    constexpr std::uint32_t kSharedPoints = 15;  // what a pose is taken from at least
+    std::vector<std::uint32_t> shared(model.image_count(), 0);
+    for (const std::uint32_t point : points_seen_by(model, images)) {
+        for (const WorkingModel::Feature& feature : model.points()[point].track)
+            ++shared[feature.image];
+    }
+    for (const std::uint32_t image : images) shared[image] = kSharedPoints;
+    std::vector<std::uint32_t> region;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image) && shared[image] >= kSharedPoints) region.push_back(image);
+    }
+    return region;
+}
+
+/// The scope of one round: all of the model when no region is given.
+AdjustmentScope scope_of(const WorkingModel& model, std::span<const std::uint32_t> region,
+                         bool free_intrinsics, const RefinementOptions& refinement) {
+    AdjustmentScope scope = region.empty() ? full_scope(model, free_intrinsics)
+                                           : region_scope(model, region, free_intrinsics);
+    if (region.empty() && free_intrinsics && refinement.images_for_principal_point > 0) {
+        scope.free_principal_points =
+            cameras_with_images(model, refinement.images_for_principal_point);
+    }
+    const bool thin =
+        refinement.points_per_image > 0 && model.registered_count() >= refinement.thin_from_images;
+    if (thin) scope.points = covering_points(model, region, refinement.points_per_image);
+    return scope;
+}
+
+/// Adjusts a region of the model, or all of it when none is given.
+Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_t>& region,
+                             bool fix_intrinsics, const RefinementOptions& refinement,
+                             const SolveOptions& options) {
+    std::uint32_t adjustments = 0;
+    for (int round = 0; round < refinement.max_rounds; ++round) {
+        std::size_t changed = complete_tracks(model, region, options.tracks);
+        changed += merge_tracks(model, region, options.tracks);
+        for (const std::uint32_t image : region.empty() ? registered_images(model) : region)
+            changed += triangulate_image(model, image, options.tracks);
+        const bool free_intrinsics =
+            !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
+        const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
+        // Half a megabyte an image, which is not looked at before the next round.
+        model.matches().forget();
+        const auto report = adjust(model, scope, refinement.adjustment);
+        if (!report.ok()) return report.error();
+        ++adjustments;
+        if (scope.points) {
+            std::vector<std::uint32_t> others;
+            std::ranges::set_difference(points_seen_by(model, region), *scope.points,
+                                        std::back_inserter(others));
+            refine_points(model, others, refinement.adjustment);
+        }
+        changed += filter_tracks(model, region, options.tracks);
+        // A region is chosen anew where one of its images is gone.
+        if (remove_weak_images(model, options) > 0 && !region.empty()) break;
+        if (static_cast<double>(changed) <
+            refinement.max_change * static_cast<double>(observation_count(model, region)))
+            break;
+    }
+    return adjustments;
 }
 
 }  // namespace
@@ -62,34 +135,51 @@ std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& option
 Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const RefinementOptions& refinement,
                                    const SolveOptions& options) {
-    std::uint32_t adjustments = 0;
-    for (int round = 0; round < refinement.max_rounds; ++round) {
-        std::size_t changed = complete_tracks(model, {}, options.tracks);
-        changed += merge_tracks(model, {}, options.tracks);
-        changed += retriangulate(model, options.tracks);
-        const bool free_intrinsics =
-            !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
-        AdjustmentScope scope = full_scope(model, free_intrinsics);
-        if (free_intrinsics && refinement.images_for_principal_point > 0) {
-            scope.free_principal_points =
-                cameras_with_images(model, refinement.images_for_principal_point);
-        }
-        const bool thin = refinement.points_per_image > 0 &&
-                          model.registered_count() >= refinement.thin_from_images;
-        if (thin) scope.points = covering_points(model, refinement.points_per_image);
-        // Half a megabyte an image, which is not looked at before the next round.
-        model.matches().forget();
-        const auto report = adjust(model, scope, refinement.adjustment);
-        if (!report.ok()) return report.error();
-        ++adjustments;
-        if (thin) refine_points(model, *scope.points, refinement.adjustment);
-        changed += filter_tracks(model, {}, options.tracks);
-        remove_weak_images(model, options);
-        if (static_cast<double>(changed) <
-            refinement.max_change * static_cast<double>(observation_count(model)))
-            break;
+    return refine(model, {}, fix_intrinsics, refinement, options);
+}
+
+Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
+                                    std::size_t at_least, bool fix_intrinsics,
+                                    const SolveOptions& options) {
+    std::erase_if(images, [&](std::uint32_t image) { return !model.registered(image); });
+    if (images.empty()) return 0U;
+    std::vector<std::uint32_t> region = with_neighbors(model, images);
+    for (std::size_t before = 0; region.size() < at_least && before < region.size();) {
+        before = region.size();
+        region = with_neighbors(model, region);
     }
-    return adjustments;
+    // The others hold the gauge.
+    const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
+    if (is_most) region.clear();
+    return refine(model, region, fix_intrinsics, options.growth, options);
+}
+
+Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
+                                    std::span<const std::uint32_t> joint, bool fix_intrinsics,
+                                    const SolveOptions& options) {
+    if (model.registered_count() <= options.adjust_all_up_to)
+        return refine_model(model, fix_intrinsics, options.growth, options);
+    std::vector<std::uint32_t> images;
+    std::ranges::set_union(joined, joint, std::back_inserter(images));
+    const std::size_t at_least = joined.size() + options.images_around_joint;
+    return refine_around(model, std::move(images), at_least, fix_intrinsics, options);
+}
+
+std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::uint32_t> joined,
+                                    bool fix_intrinsics, const SolveOptions& options) {
+    complete_tracks(model, joined, options.tracks);
+    merge_tracks(model, joined, options.tracks);
+    return refine_locally(model, joined, fix_intrinsics, options);
+}
+
+Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
+                                   const SolveOptions& options) {
+    if (model.registered_count() <= options.adjust_all_up_to)
+        return refine_model(model, fix_intrinsics, options.growth, options);
+    std::vector<std::uint32_t> newest = registered_images(model);
+    newest.erase(newest.begin(),
+                 newest.end() - std::min<std::ptrdiff_t>(grown, std::ssize(newest)));
+    return refine_around(model, std::move(newest), 0, fix_intrinsics, options);
 }
 
 std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,

@@ -25,4 +25,11 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
                                                   std::span<const VerifiedPairPtr> pairs,
                                                   const PlaceOptions& options);
 
+/// Whether newly registered images give reason to ask separate_places(): one stands beside an image
+/// that shares hardly anything of what it sees. Their own pairs alone are looked at, so that a
+/// model whose images were all asked when they were added need not be asked again. Thread-safe.
+/// @param seen  points, among them all that the images observe
+bool may_show_another_place(const Reconstruction& model, std::span<const ScenePoint> seen,
+                            std::span<const ImageId> images, const PlaceOptions& options);
+
 }  // namespace psfm

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "stages/merge/kd_tree.h"
@@ -22,15 +23,24 @@ struct View {
     double median_depth = 0.0;          ///< 0: it has seen nothing
 };
 
-double median_depth(const Reconstruction& model, const View& view) {
+double median_depth(std::span<const ScenePoint> points, const View& view) {
     std::vector<double> depths;
     depths.reserve(view.points.size());
     for (const std::uint32_t point : view.points)
-        depths.push_back((model.points[point].position - view.centre).dot(view.ahead));
+        depths.push_back((points[point].position - view.centre).dot(view.ahead));
     if (depths.empty()) return 0.0;
     const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
     std::ranges::nth_element(depths, middle);
     return std::max(0.0, *middle);
+}
+
+/// Of an image that has seen nothing yet.
+View view_of(const Reconstruction& model, const RegisteredImage& image) {
+    View view;
+    view.centre = image.cam_from_cluster.target_origin_in_source();
+    view.ahead = image.cam_from_cluster.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    view.camera = &model.cameras.at(image.camera);
+    return view;
 }
 
 /// Every so many-th point is enough for about so many of each image.
@@ -45,13 +55,9 @@ std::uint32_t step_for(const Reconstruction& model, std::uint32_t points_per_ima
 /// Of every `step`-th point.
 std::vector<View> views_of(const Reconstruction& model, std::uint32_t step,
                            const PlaceOptions& options) {
-    std::vector<View> views(model.images.size());
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        const RegisteredImage& image = model.images[i];
-        views[i].centre = image.cam_from_cluster.target_origin_in_source();
-        views[i].ahead = image.cam_from_cluster.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-        views[i].camera = &model.cameras.at(image.camera);
-    }
+    std::vector<View> views;
+    views.reserve(model.images.size());
+    for (const RegisteredImage& image : model.images) views.push_back(view_of(model, image));
     for (std::uint32_t p = step / 2; p < model.points.size(); p += step) {
         const std::vector<Observation>& track = model.points[p].track;
         if (track.size() < options.min_track) continue;
@@ -65,21 +71,25 @@ std::vector<View> views_of(const Reconstruction& model, std::uint32_t step,
             views[static_cast<std::size_t>(image - model.images.begin())].points.push_back(p);
         }
     }
-    in_parallel(views.size(), 64,
-                [&](std::size_t i) { views[i].median_depth = median_depth(model, views[i]); });
+    in_parallel(views.size(), 64, [&](std::size_t i) {
+        views[i].median_depth = median_depth(model.points, views[i]);
+    });
     return views;
 }
 
-/// Images side by side with one, of those after it; the nearest of all of them.
+/// Images side by side with one: the nearest of them.
+/// @param depth_of  what is seen by another image, likewise, is how far away in the median
+template <typename DepthOf>
 std::vector<std::uint32_t> neighbors_of(std::uint32_t own, const std::vector<View>& views,
-                                        const KdTree& centres, const PlaceOptions& options) {
+                                        const KdTree& centres, const DepthOf& depth_of,
+                                        const PlaceOptions& options) {
     const double min_cosine = std::cos(options.max_turn_deg * std::numbers::pi / 180.0);
     const View& view = views[own];
     std::vector<std::pair<double, std::uint32_t>> near;
     for (const std::uint32_t other :
          centres.nearer_than(view.centre, options.max_offset * view.median_depth)) {
         const double distance = (views[other].centre - view.centre).norm();
-        if (other == own || distance >= options.max_offset * views[other].median_depth ||
+        if (other == own || distance >= options.max_offset * depth_of(other) ||
             view.ahead.dot(views[other].ahead) < min_cosine)
             continue;
         near.emplace_back(distance, other);
@@ -97,16 +107,17 @@ bool sees(const ScenePoint& point, ImageId image) {
     return found != point.track.end() && found->image == image;
 }
 
-/// Adds what `to` should see of what `from` has seen, each point `weight` times.
-void count(const Reconstruction& model, const View& from, const View& to,
-           const RegisteredImage& image, std::uint32_t weight, SideBySide& pair) {
+/// Adds what an image should see of what another one has seen, each point `weight` times.
+void count(std::span<const ScenePoint> points, std::span<const std::uint32_t> seen,
+           const Camera& camera, const RegisteredImage& image, std::uint32_t weight,
+           SideBySide& pair) {
     /// Features are not found at the very edge, and poses are not exact.
     constexpr double kMargin = 0.02;
-    const Eigen::Array2d size(to.camera->width, to.camera->height);
+    const Eigen::Array2d size(camera.width, camera.height);
     const double margin = kMargin * size.maxCoeff();
-    for (const std::uint32_t p : from.points) {
-        const ScenePoint& point = model.points[p];
-        const auto pixel = project(*to.camera, image.cam_from_cluster * point.position);
+    for (const std::uint32_t p : seen) {
+        const ScenePoint& point = points[p];
+        const auto pixel = project(camera, image.cam_from_cluster * point.position);
         if (!pixel || (pixel->array() < margin).any() || (pixel->array() > size - margin).any())
             continue;
         pair.expected += weight;
@@ -120,8 +131,10 @@ void count_all(const Reconstruction& model, const std::vector<View>& views, std:
         SideBySide& pair = pairs[k];
         const std::uint32_t first = pair.first;
         const std::uint32_t second = pair.second;
-        count(model, views[first], views[second], model.images[second], weight, pair);
-        count(model, views[second], views[first], model.images[first], weight, pair);
+        count(model.points, views[first].points, *views[second].camera, model.images[second],
+              weight, pair);
+        count(model.points, views[second].points, *views[first].camera, model.images[first], weight,
+              pair);
     });
 }
 
@@ -138,7 +151,9 @@ std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const Pla
 
     std::vector<std::vector<std::uint32_t>> neighbors(views.size());
     in_parallel(views.size(), [&](std::size_t i) {
-        neighbors[i] = neighbors_of(static_cast<std::uint32_t>(i), views, tree, options);
+        neighbors[i] = neighbors_of(
+            static_cast<std::uint32_t>(i), views, tree,
+            [&](std::uint32_t other) { return views[other].median_depth; }, options);
     });
     std::vector<SideBySide> pairs;
     for (std::uint32_t i = 0; i < neighbors.size(); ++i) {
@@ -165,6 +180,41 @@ std::vector<SideBySide> count_all_points(const Reconstruction& model, const Plac
     std::erase_if(counted,
                   [&](const SideBySide& pair) { return pair.expected < options.min_expected; });
     return counted;
+}
+
+bool stand_beside_strangers(const Reconstruction& model, std::span<const ScenePoint> seen,
+                            std::span<const ImageId> images, double max_shared_part,
+                            const PlaceOptions& options) {
+    std::vector<View> views;
+    std::vector<Eigen::Vector3d> centres;
+    for (const RegisteredImage& image : model.images) {
+        views.push_back(view_of(model, image));
+        centres.push_back(views.back().centre);
+    }
+    const auto position_of = [&](ImageId image) { return model.find(image) - model.images.data(); };
+    const std::set<ImageId> asked(images.begin(), images.end());
+    for (std::uint32_t p = 0; p < seen.size(); ++p) {
+        if (seen[p].track.size() < options.min_track) continue;
+        for (const Observation& observation : seen[p].track) {
+            if (asked.contains(observation.image))
+                views[static_cast<std::size_t>(position_of(observation.image))].points.push_back(p);
+        }
+    }
+    const KdTree tree(std::move(centres));
+    return std::ranges::any_of(images, [&](ImageId image) {
+        const auto own = static_cast<std::uint32_t>(position_of(image));
+        View& view = views[own];
+        view.median_depth = median_depth(seen, view);
+        const auto neighbors = neighbors_of(
+            own, views, tree, [&](std::uint32_t) { return view.median_depth; }, options);
+        return std::ranges::any_of(neighbors, [&](std::uint32_t other) {
+            SideBySide pair;
+            count(seen, view.points, *views[other].camera, model.images[other], 1, pair);
+            // Both ways together more are asked for.
+            return 2 * pair.expected >= options.min_expected &&
+                   pair.shared_part() <= max_shared_part;
+        });
+    });
 }
 
 }  // namespace psfm

@@ -38,4 +38,13 @@ std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const Pla
 std::vector<SideBySide> count_all_points(const Reconstruction& model, const PlaceOptions& options,
                                          std::span<const SideBySide> pairs);
 
+/// Whether one of some registered images stands beside an image that shares no more than a part of
+/// what the first sees and the other should see: one way only, and by the depths of the first
+/// alone. What find_side_by_side() would say of them at a fraction of the cost, erring towards
+/// true. Deterministic. Thread-safe.
+/// @param seen  points, among them all that the images observe
+bool stand_beside_strangers(const Reconstruction& model, std::span<const ScenePoint> seen,
+                            std::span<const ImageId> images, double max_shared_part,
+                            const PlaceOptions& options);
+
 }  // namespace psfm

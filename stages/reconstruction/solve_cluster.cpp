@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "stages/reconstruction/contradiction.h"
+#include "stages/reconstruction/extend_locally.h"
 #include "stages/reconstruction/grow_model.h"
 #include "stages/reconstruction/initialize_model.h"
 #include "stages/reconstruction/judge_model.h"
@@ -36,20 +37,6 @@ Result<void> check_problem(const ClusterProblem& problem) {
     return {};
 }
 
-CorrespondenceGraph correspondences_of(const ClusterProblem& problem, const LocalGraph& graph) {
-    std::vector<ImageId> ids;
-    std::vector<std::uint32_t> feature_counts;
-    for (const ClusterImage& image : problem.images) {
-        ids.push_back(image.id);
-        feature_counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
-    }
-    return {ids, feature_counts, graph.pairs};
-}
-
-void use_cameras(WorkingModel& model, const LocalGraph& graph) {
-    for (const auto& [id, camera] : graph.cameras) model.mutable_camera(id) = camera;
-}
-
 /// Takes a model over that nothing will change any more.
 void finish(SolveAttempt& attempt, const WorkingModel& model, const LocalGraph& graph,
             const SolveOptions& options) {
@@ -62,7 +49,7 @@ Result<SolveAttempt> solve_globally(const ClusterProblem& problem, const LocalGr
                                     const CorrespondenceGraph& matches, const SolveOptions& options,
                                     const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
-    use_cameras(model, graph);
+    model.use_cameras(graph.cameras);
     const auto start = initialize_globally(model, problem, graph, options, cancel);
     if (!start.ok()) return start.error();
     SolveAttempt attempt;
@@ -98,7 +85,7 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
     std::vector<bool> used(problem.images.size(), false);
     for (int start = 0; start < kStarts; ++start) {
         WorkingModel model(problem, matches);
-        use_cameras(model, graph);
+        model.use_cameras(graph.cameras);
         const auto seed = initialize_model(model, graph, used, options);
         if (!seed.ok()) break;
         SolveAttempt attempt;
@@ -131,22 +118,21 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
                                     const CorrespondenceGraph& matches, const SolveOptions& options,
                                     const std::atomic<bool>* cancel) {
     WorkingModel model(problem, matches);
-    use_cameras(model, graph);
+    model.use_cameras(graph.cameras);
     SolveAttempt attempt;
     attempt.state = problem.recycled_state;
     const Recycling recycling = load_recycled(model, problem, graph, options);
     attempt.statistics.joined_models = recycling.joined;
     attempt.statistics.left_models = recycling.left;
-    const auto refine = [&](const RefinementOptions& refinement) -> Result<void> {
-        const auto adjustments = refine_model(model, problem.fix_intrinsics, refinement, options);
+    const auto take_over = [&](const Result<std::uint32_t>& adjustments) -> Result<void> {
         if (!adjustments.ok()) return adjustments.error();
         attempt.statistics.full_adjustments += *adjustments;
         attempt.state.images_at_full_adjustment = model.registered_count();
         return {};
     };
     if (recycling.joined > 0) {
-        complete_tracks(model, recycling.images, options.tracks);
-        merge_tracks(model, recycling.images, options.tracks);
+        complete_tracks(model, recycling.joint, options.tracks);
+        merge_tracks(model, recycling.joint, options.tracks);
         // What would only come apart again is not adjusted first.
         const Reconstruction joined = model.save();
         auto places = separate_places(joined, problem.pairs, options.places);
@@ -159,12 +145,12 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     }
     const auto joined = static_cast<double>(recycling.images.size());
     if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
-        if (const auto done = refine(options.growth); !done.ok()) return done.error();
+        const auto done = take_over(refine_joined(model, recycling.images, recycling.joint,
+                                                  problem.fix_intrinsics, options));
+        if (!done.ok()) return done.error();
     } else if (recycling.joined > 0) {
-        complete_tracks(model, recycling.images, options.tracks);
-        merge_tracks(model, recycling.images, options.tracks);
         attempt.statistics.local_adjustments +=
-            refine_locally(model, recycling.images, problem.fix_intrinsics, options);
+            refine_joined_locally(model, recycling.images, problem.fix_intrinsics, options);
     }
     const auto grown =
         grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
@@ -176,7 +162,9 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         if (!mended.ok()) return mended.error();
     }
     if (problem.settle) {
-        if (const auto done = refine(options.settling); !done.ok()) return done.error();
+        const auto done =
+            take_over(refine_model(model, problem.fix_intrinsics, options.settling, options));
+        if (!done.ok()) return done.error();
     }
     finish(attempt, model, graph, options);
     attempt.statistics.kind = problem.settle                ? SolveKind::kSettle
@@ -210,6 +198,25 @@ Result<SolveAttempt> solve_or_reset(const ClusterProblem& problem, const LocalGr
     return attempt;
 }
 
+/// Adds new images to a large model by what they can change; else solves with all of the cluster.
+Result<SolveAttempt> attempt_solve(const ClusterProblem& problem, const SolveOptions& options,
+                                   const std::atomic<bool>* cancel) {
+    auto extended = extend_locally(problem, options, cancel);
+    if (!extended.ok()) return extended.error();
+    if (*extended) return **std::move(extended);
+    const auto graph = make_local_graph(problem, options);
+    if (!graph.ok()) return graph.error();
+    const CorrespondenceGraph matches = correspondences_of(problem, *graph);
+    auto attempt = problem.recycled.empty()
+                       ? solve_new(problem, *graph, matches, options, cancel)
+                       : solve_or_reset(problem, *graph, matches, options, cancel);
+    if (!attempt.ok()) return attempt;
+    if (problem.recycled.empty())
+        attempt->state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
+    attempt->statistics.removed_edges = graph->removed_edges;
+    return attempt;
+}
+
 std::vector<std::pair<ImageId, WaitReason>> waiting_images(const ClusterProblem& problem,
                                                            const Reconstruction& model,
                                                            WaitReason if_no_model) {
@@ -238,17 +245,9 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     if (problem.images.size() < options.mu_min) {
         attempt.statistics.kind = SolveKind::kTooSmall;
     } else {
-        const auto graph = make_local_graph(problem, options);
-        if (!graph.ok()) return graph.error();
-        const CorrespondenceGraph matches = correspondences_of(problem, *graph);
-        auto attempted = problem.recycled.empty()
-                             ? solve_new(problem, *graph, matches, options, cancel)
-                             : solve_or_reset(problem, *graph, matches, options, cancel);
+        auto attempted = attempt_solve(problem, options, cancel);
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
-        if (problem.recycled.empty())
-            attempt.state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
-        attempt.statistics.removed_edges = graph->removed_edges;
         reason = WaitReason::kNoSeed;
     }
     attempt.statistics.mean_error_px = mean_error_px(attempt.model);

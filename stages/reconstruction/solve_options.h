@@ -108,6 +108,18 @@ struct SolveOptions {
     /// All of the model is adjusted when it has grown by this fraction. Lower: slower, more
     /// accurate in between. Paper: eta_grow = 0.15.
     double eta_grow = 0.15;
+    /// Models of so many images are extended by what new images can change (extend_locally.h); 0:
+    /// always with all of the cluster, as in the paper. Lowered: wrong edges that only all of the
+    /// cluster's rotations tell from right ones are kept more often; raised: an image takes longer
+    /// the more there are. Ours.
+    std::uint32_t extend_locally_from = 200;
+    /// Larger models are adjusted where they have grown or were joined, all of them only when they
+    /// settle: an image costs the same however many there are. Raised: slower, drift spreads
+    /// over the whole model sooner; the paper adjusts all, whatever the size. Ours.
+    std::uint32_t adjust_all_up_to = 1000;
+    /// Images of such a model that are adjusted where others were joined to it, beside these, at
+    /// least. Raised: slower; lowered: what they differ by is spread over fewer. Ours.
+    std::uint32_t images_around_joint = 200;
     /// Images beside the new one whose poses move in a local adjustment. COLMAP 3.8: 6 in all.
     std::uint32_t local_neighbors = 5;
     /// Images with fewer observations after adjustment are taken out again. Ours: half of the

@@ -9,13 +9,17 @@
 #include <span>
 
 #include "stages/reconstruction/cover_tracks.h"
+#include "stages/reconstruction/in_parallel.h"
 #include "stages/reconstruction/reprojection_cost.h"
+#include "stages/reconstruction/tracks.h"
 
 namespace psfm {
 namespace {
 
 using Feature = WorkingModel::Feature;
 using PoseBlock = std::array<double, kPoseSize>;
+
+constexpr std::size_t kPointsATask = 256;
 
 /// Cost of a position, and its normal equations.
 struct PointSystem {
@@ -86,28 +90,37 @@ class PointRefiner {
 }  // namespace
 
 std::vector<std::uint32_t> covering_points(const WorkingModel& model,
+                                           std::span<const std::uint32_t> images,
                                            std::uint32_t points_per_image) {
-    std::vector<std::uint32_t> alive;
+    std::vector<bool> counts(model.image_count(), false);
+    for (const std::uint32_t image : images) counts[image] = true;
+    const std::vector<std::uint32_t> points = points_seen_by(model, images);
+    std::vector<FeatureTrack> within(images.empty() ? 0 : points.size());
     std::vector<std::span<const Feature>> tracks;
-    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
-        if (!model.points()[point].alive()) continue;
-        alive.push_back(point);
-        tracks.emplace_back(model.points()[point].track);
+    tracks.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const FeatureTrack& track = model.points()[points[i]].track;
+        if (!images.empty()) {
+            std::ranges::copy_if(track, std::back_inserter(within[i]),
+                                 [&](const Feature& feature) { return counts[feature.image]; });
+        }
+        tracks.emplace_back(images.empty() ? track : within[i]);
     }
     std::vector<std::uint32_t> chosen = cover_tracks(tracks, model.image_count(), points_per_image);
-    for (std::uint32_t& track : chosen) track = alive[track];
+    for (std::uint32_t& track : chosen) track = points[track];
     std::ranges::sort(chosen);
     return chosen;
 }
 
-void refine_points(WorkingModel& model, const std::vector<std::uint32_t>& except,
+void refine_points(WorkingModel& model, std::span<const std::uint32_t> points,
                    const AdjustmentOptions& options) {
     const PointRefiner refiner(model, options);
-    for (std::uint32_t point = 0; point < model.points().size(); ++point) {
-        const WorkingModel::Point& moved = model.points()[point];
-        if (!moved.alive() || std::ranges::binary_search(except, point)) continue;
-        model.set_position(point, refiner.refine(moved.track, moved.position));
-    }
+    std::vector<Eigen::Vector3d> moved(points.size());
+    in_parallel(points.size(), kPointsATask, [&](std::size_t i) {
+        const WorkingModel::Point& point = model.points()[points[i]];
+        moved[i] = refiner.refine(point.track, point.position);
+    });
+    for (std::size_t i = 0; i < points.size(); ++i) model.set_position(points[i], moved[i]);
 }
 
 }  // namespace psfm

@@ -89,7 +89,8 @@ std::optional<Eigen::Vector3d> joint_position(const WorkingModel& model,
     return position;
 }
 
-/// Points that one of the images sees, or all, ascending.
+}  // namespace
+
 std::vector<std::uint32_t> points_seen_by(const WorkingModel& model,
                                           std::span<const std::uint32_t> images) {
     std::vector<std::uint32_t> points;
@@ -106,8 +107,6 @@ std::vector<std::uint32_t> points_seen_by(const WorkingModel& model,
     points.erase(std::unique(points.begin(), points.end()), points.end());
     return points;
 }
-
-}  // namespace
 
 std::size_t triangulate_image(WorkingModel& model, std::uint32_t image,
                               const TrackOptions& options) {
@@ -180,14 +179,19 @@ std::size_t filter_tracks(WorkingModel& model, std::span<const std::uint32_t> im
     const double min_angle = options.min_angle_deg * kRadiansPerDegree;
     std::size_t removed = 0;
     std::vector<Feature> bad;
+    std::vector<bool> is_looked_at(model.image_count(), images.empty());
+    for (const std::uint32_t image : images) is_looked_at[image] = true;
     for (const std::uint32_t point : points_seen_by(model, images)) {
         const std::vector<Feature>& track = model.points()[point].track;
+        const bool changed = !model.points()[point].error_px;
         const std::size_t observations = track.size();
         bad.clear();
         for (const Feature& feature : track) {
+            if (!changed && !is_looked_at[feature.image]) continue;
             if (model.squared_error(feature, model.points()[point].position) > max_squared_error)
                 bad.push_back(feature);
         }
+        if (bad.empty() && !changed && !images.empty()) continue;
         if (observations - bad.size() < 2) {
             model.remove_point(point);
             removed += observations;

@@ -43,6 +43,10 @@ class WorkingModel {
 
     WorkingModel(const ClusterProblem& problem, const CorrespondenceGraph& matches);
 
+    /// Intrinsics to start from; every camera is one of the problem's.
+    void use_cameras(const std::map<CameraId, Camera>& cameras) {
+        for (const auto& [id, camera] : cameras) cameras_.at(id) = camera;
+    }
     /// Takes over poses, intrinsics and points of an earlier model. REQUIRES: nothing registered
     /// yet.
     void load(const Reconstruction& model);
@@ -58,6 +62,8 @@ class WorkingModel {
     CameraId camera_id(std::uint32_t image) const { return problem_->images[image].camera; }
     const Camera& camera(std::uint32_t image) const { return cameras_.at(camera_id(image)); }
     Camera& mutable_camera(CameraId id) { return cameras_.at(id); }
+    /// Whether registered images outside of this problem share a camera.
+    bool is_held(CameraId id) const { return problem_->held_cameras.contains(id); }
     const std::map<CameraId, Camera>& cameras() const { return cameras_; }
     const CorrespondenceGraph& matches() const { return *matches_; }
 

@@ -44,9 +44,11 @@ struct Placed {
     }
 
     std::size_t contradictions(const Sim3& shift, const ClusterConstraintOptions& options = {}) {
+        const std::vector<double> first = mean_depths(models[0]);
+        const std::vector<double> second = mean_depths(models[1]);
         const std::vector<PlacedModel> placed{
-            {models.data(), inverse(synthetic::random_gauge(7))},
-            {&models[1], shift * inverse(synthetic::random_gauge(8))}};
+            {models.data(), first, inverse(synthetic::random_gauge(7))},
+            {&models[1], second, shift * inverse(synthetic::random_gauge(8))}};
         return find_contradictions(placed, edges, options).size();
     }
 };

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <random>
 
 #include "stages/reconstruction/refine_model.h"
+#include "stages/reconstruction/tracks.h"
 #include "tests/stages/reconstruction/problems.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/disturb.h"
@@ -59,13 +61,34 @@ std::vector<std::uint32_t> observations(const WorkingModel& model,
 TEST(CoveringPoints, ServesEveryImageWithFewPoints) {
     const RingModel ring(0.0);
     constexpr std::uint32_t kWanted = 40;
-    const auto few = covering_points(*ring.model, kWanted);
+    const auto few = covering_points(*ring.model, {}, kWanted);
     EXPECT_TRUE(std::ranges::is_sorted(few));
     EXPECT_LT(4 * few.size(), ring.model->alive_points());
     for (const std::uint32_t count : observations(*ring.model, few))
         EXPECT_GE(count, kWanted * 9 / 10);
-    EXPECT_EQ(covering_points(*ring.model, 1'000'000).size(), ring.model->alive_points());
-    EXPECT_TRUE(covering_points(*ring.model, 0).empty());
+    EXPECT_EQ(covering_points(*ring.model, {}, 1'000'000).size(), ring.model->alive_points());
+    EXPECT_TRUE(covering_points(*ring.model, {}, 0).empty());
+}
+
+TEST(CoveringPoints, ServesOnlyTheImagesThatAreAskedFor) {
+    const RingModel ring(0.0);
+    const std::vector<std::uint32_t> region{2, 3, 4};
+    const auto few = covering_points(*ring.model, region, 40);
+    const auto served = observations(*ring.model, few);
+    for (const std::uint32_t image : region) EXPECT_GE(served[image], 36U);
+    EXPECT_LT(few.size(), covering_points(*ring.model, {}, 40).size());
+    const auto seen = points_seen_by(*ring.model, region);
+    EXPECT_TRUE(std::ranges::includes(seen, few));
+    EXPECT_EQ(covering_points(*ring.model, region, 1'000'000).size(),
+              static_cast<std::size_t>(std::ranges::count_if(
+                  seen,
+                  [&](std::uint32_t point) {
+                      const auto& track = ring.model->points()[point].track;
+                      return std::ranges::count_if(track, [](const auto& feature) {
+                                 return feature.image >= 2 && feature.image <= 4;
+                             }) >= 2;
+                  })))
+        << "a point that one of them sees holds nothing together";
 }
 
 TEST(RefinePoints, FindsThePointsAndLeavesOthersAlone) {
@@ -79,10 +102,13 @@ TEST(RefinePoints, FindsThePointsAndLeavesOthersAlone) {
             point, truth.back() + 0.02 * Eigen::Vector3d(normal(rng), normal(rng), normal(rng)));
     }
     const std::vector<std::uint32_t> except{0, 2};
+    std::vector<std::uint32_t> moving;
+    std::ranges::set_difference(points_seen_by(*ring.model, {}), except,
+                                std::back_inserter(moving));
     const Eigen::Vector3d disturbed = ring.model->points()[2].position;
     AdjustmentOptions options;
     options.function_tolerance = 1e-12;
-    refine_points(*ring.model, except, options);
+    refine_points(*ring.model, moving, options);
     EXPECT_EQ(ring.model->points()[2].position, disturbed);
     for (std::uint32_t point = 0; point < truth.size(); ++point) {
         if (std::ranges::binary_search(except, point)) continue;
@@ -95,7 +121,7 @@ TEST(RefinePoints, IsWhatAnAdjustmentOfPointsAloneDoes) {
     const RingModel ceres(0.5);
     AdjustmentOptions options;
     options.function_tolerance = 1e-10;
-    refine_points(*ours.model, {}, options);
+    refine_points(*ours.model, points_seen_by(*ours.model, {}), options);
     AdjustmentScope scope = full_scope(*ceres.model, false);
     scope.free_images.clear();
     scope.gauge.reset();
@@ -112,7 +138,7 @@ TEST(Adjust, LeavesPointsAloneThatAreNotChosen) {
     const RingModel thinned(0.5);
     const AdjustmentScope all = full_scope(*whole.model, false);
     AdjustmentScope few = all;
-    few.points = covering_points(*thinned.model, 40);
+    few.points = covering_points(*thinned.model, {}, 40);
     std::vector<Eigen::Vector3d> before;
     for (const WorkingModel::Point& point : thinned.model->points())
         before.push_back(point.position);

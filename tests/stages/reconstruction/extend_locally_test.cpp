@@ -1,0 +1,259 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/extend_locally.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "stages/reconstruction/separate_places.h"
+#include "stages/reconstruction/solve_cluster.h"
+#include "stages/reconstruction/surroundings.h"
+#include "tests/stages/reconstruction/problems.h"
+#include "tests/stages/reconstruction/two_streets.h"
+#include "tests/synthetic/compare.h"
+#include "tests/synthetic/disturb.h"
+#include "tests/synthetic/verified_pairs.h"
+
+namespace psfm {
+namespace {
+
+using synthetic::SyntheticScene;
+
+constexpr std::uint32_t kImages = 30;
+constexpr ImageId kNew{14};  // in the middle of the wall
+constexpr ImageId kFar{0};
+
+SyntheticScene noisy_wall(std::uint64_t seed) {
+    return synthetic::add_pixel_noise(
+        synthetic::make_scene(synthetic::line_along_wall(kImages), seed), 0.3, seed);
+}
+
+/// The true model of all images but some, to be extended by these.
+ClusterProblem problem_without(const SyntheticScene& scene, const std::vector<ImageId>& left_out) {
+    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+    problem.fix_intrinsics = true;
+    std::vector<ImageId> kept;
+    for (const ClusterImage& image : problem.images) {
+        if (std::ranges::find(left_out, image.id) == left_out.end()) kept.push_back(image.id);
+    }
+    problem.recycled = {std::make_shared<const Reconstruction>(
+        synthetic::true_reconstruction(scene, synthetic::random_gauge(5), kept))};
+    problem.recycled_state.images_at_full_adjustment = static_cast<std::uint32_t>(kept.size());
+    return problem;
+}
+
+SolveOptions locally_from(std::uint32_t images) {
+    SolveOptions options;
+    options.extend_locally_from = images;
+    return options;
+}
+
+/// REQUIRES: the solve succeeds
+std::optional<SolveAttempt> extended(const ClusterProblem& problem, const SolveOptions& options) {
+    auto attempt = extend_locally(problem, options, nullptr);
+    EXPECT_TRUE(attempt.ok());
+    return attempt.ok() ? *std::move(attempt) : std::nullopt;
+}
+
+bool sees(const ScenePoint& point, ImageId image) {
+    return std::ranges::any_of(point.track, [&](const auto& o) { return o.image == image; });
+}
+
+TEST(Surroundings, HoldAllThatNeighboursSee) {
+    const SyntheticScene scene = noisy_wall(1);
+    const ClusterProblem problem = problem_without(scene, {kNew});
+    const auto surroundings = surroundings_of_new_images(problem);
+    ASSERT_TRUE(surroundings);
+    const ClusterProblem& part = surroundings->problem;
+    const Reconstruction& whole = *problem.recycled.front();
+    std::vector<ImageId> neighbors;
+    for (const VerifiedPairPtr& pair : problem.pairs) {
+        if (pair->pair.first == kNew) neighbors.push_back(pair->pair.second);
+        if (pair->pair.second == kNew) neighbors.push_back(pair->pair.first);
+    }
+    ASSERT_GT(neighbors.size(), 3U);
+    const auto is_member = [&](ImageId image) {
+        return std::ranges::binary_search(part.images, image, {}, &ClusterImage::id);
+    };
+    std::size_t inside = 0;
+    for (std::size_t p = 0; p < whole.points.size(); ++p) {
+        const bool seen = std::ranges::any_of(
+            neighbors, [&](ImageId image) { return sees(whole.points[p], image); });
+        EXPECT_EQ(surroundings->is_inside[p] != 0, seen);
+        if (!seen) continue;
+        EXPECT_EQ(part.recycled.front()->points[inside++].track, whole.points[p].track)
+            << "whoever else sees it holds it where it is";
+        for (const Observation& o : whole.points[p].track) EXPECT_TRUE(is_member(o.image));
+    }
+    EXPECT_EQ(part.recycled.front()->points.size(), inside);
+    EXPECT_TRUE(is_member(kNew));
+    EXPECT_FALSE(is_member(kFar));
+    EXPECT_GT(part.images.size(), neighbors.size() + 1) << "observers that are no neighbours";
+    neighbors.push_back(kNew);
+    for (const VerifiedPairPtr& pair : part.pairs) {
+        EXPECT_NE(std::ranges::find(neighbors, pair->pair.first), neighbors.end());
+        EXPECT_NE(std::ranges::find(neighbors, pair->pair.second), neighbors.end());
+    }
+    EXPECT_TRUE(part.held_cameras.contains(scene.images.front().camera)) << "others share it";
+}
+
+TEST(Surroundings, ThatAreMostOfTheModelAreNone) {
+    const SyntheticScene scene = noisy_wall(1);
+    std::vector<ImageId> every_fourth;
+    for (std::uint32_t i = 0; i < kImages; i += 4) every_fourth.push_back(ImageId{i});
+    EXPECT_FALSE(surroundings_of_new_images(problem_without(scene, every_fourth)));
+    EXPECT_FALSE(surroundings_of_new_images(problem_without(scene, {}))) << "nothing is new";
+}
+
+TEST(ExtendLocally, AddsAnImageAsASolveOfAllWould) {
+    const SyntheticScene scene = noisy_wall(2);
+    const ClusterProblem problem = problem_without(scene, {kNew});
+    const auto local = extended(problem, locally_from(20));
+    ASSERT_TRUE(local);
+    EXPECT_EQ(local->statistics.registered, 1U);
+    EXPECT_EQ(local->statistics.kind, SolveKind::kExtend);
+    ASSERT_TRUE(local->places) << "its images stand beside no strangers";
+    EXPECT_TRUE(local->places->empty());
+    const auto whole = solve_cluster(problem, locally_from(0));
+    ASSERT_TRUE(whole.ok());
+    ASSERT_EQ(local->model.images.size(), whole->model->images.size());
+    // The same operations on the same observations; only the order of points differs.
+    EXPECT_EQ(local->model.points.size(), whole->model->points.size());
+    for (std::size_t i = 0; i < whole->model->images.size(); ++i) {
+        EXPECT_EQ(local->model.images[i].image, whole->model->images[i].image);
+        EXPECT_LT((local->model.images[i].cam_from_cluster.target_origin_in_source() -
+                   whole->model->images[i].cam_from_cluster.target_origin_in_source())
+                      .norm(),
+                  1e-6);
+    }
+    const auto error = synthetic::compare_with_truth(local->model, scene);
+    ASSERT_TRUE(error.ok());
+    EXPECT_LT(error->max_position, 0.02);
+}
+
+TEST(ExtendLocally, IsWhatALargeModelIsSolvedBy) {
+    const SyntheticScene scene = noisy_wall(2);
+    const ClusterProblem problem = problem_without(scene, {kNew});
+    const auto local = extended(problem, locally_from(20));
+    const auto solution = solve_cluster(problem, locally_from(20));
+    ASSERT_TRUE(local && solution.ok());
+    EXPECT_EQ(solution->model->points.size(), local->model.points.size());
+    EXPECT_EQ(solution->model->points.back().track, local->model.points.back().track)
+        << "points that the image sees come last";
+    EXPECT_TRUE(solution->waiting.empty());
+}
+
+TEST(ExtendLocally, LeavesTheRestOfTheModelAsItIs) {
+    const SyntheticScene scene = noisy_wall(3);
+    const ClusterProblem problem = problem_without(scene, {kNew});
+    const auto local = extended(problem, locally_from(20));
+    ASSERT_TRUE(local);
+    const Reconstruction& before = *problem.recycled.front();
+    EXPECT_EQ(local->model.find(kFar)->cam_from_cluster.translation,
+              before.find(kFar)->cam_from_cluster.translation);
+    const auto seen_from_afar = [](const Reconstruction& model) {
+        std::vector<ScenePoint> points;
+        std::ranges::copy_if(model.points, std::back_inserter(points),
+                             [](const ScenePoint& point) { return sees(point, kFar); });
+        return points;
+    };
+    const auto kept = seen_from_afar(local->model);
+    const auto known = seen_from_afar(before);
+    ASSERT_EQ(kept.size(), known.size());
+    EXPECT_GT(kept.size(), 50U);
+    for (std::size_t p = 0; p < kept.size(); ++p) {
+        EXPECT_EQ(kept[p].position, known[p].position);
+        EXPECT_EQ(kept[p].track, known[p].track);
+    }
+    EXPECT_EQ(local->model.cameras.size(), before.cameras.size());
+}
+
+TEST(ExtendLocally, RefinesNoCameraThatOthersShare) {
+    const SyntheticScene scene = noisy_wall(4);
+    ClusterProblem problem = problem_without(scene, {kNew});
+    problem.fix_intrinsics = false;
+    const auto local = extended(problem, locally_from(20));
+    ASSERT_TRUE(local);
+    EXPECT_EQ(local->statistics.registered, 1U);
+    EXPECT_EQ(local->model.cameras.begin()->second.params,
+              problem.recycled.front()->cameras.begin()->second.params);
+}
+
+TEST(ExtendLocally, JoinsASmallModel) {
+    const SyntheticScene scene = noisy_wall(8);
+    const std::vector<ImageId> small{ImageId{27}, ImageId{28}, ImageId{29}};
+    ClusterProblem problem = problem_without(scene, small);
+    problem.recycled.push_back(std::make_shared<const Reconstruction>(
+        synthetic::true_reconstruction(scene, synthetic::random_gauge(6), small)));
+    const auto local = extended(problem, locally_from(20));
+    ASSERT_TRUE(local);
+    EXPECT_EQ(local->statistics.kind, SolveKind::kTransfer);
+    EXPECT_EQ(local->statistics.joined_models, 1U);
+    EXPECT_EQ(local->statistics.registered, 0U) << "none one by one";
+    EXPECT_EQ(local->model.images.size(), kImages);
+    EXPECT_EQ(local->model.find(kFar)->cam_from_cluster.translation,
+              problem.recycled.front()->find(kFar)->cam_from_cluster.translation);
+    const auto both = [](const ScenePoint& point) {
+        return sees(point, ImageId{26}) && sees(point, ImageId{27});
+    };
+    EXPECT_GT(std::ranges::count_if(local->model.points, both), 20) << "tracks are joined, too";
+    const auto error = synthetic::compare_with_truth(local->model, scene);
+    ASSERT_TRUE(error.ok());
+    EXPECT_LT(error->max_position, 0.05);
+}
+
+TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
+    const SyntheticScene scene = noisy_wall(5);
+    const ClusterProblem problem = problem_without(scene, {kNew});
+    ASSERT_TRUE(extended(problem, locally_from(20)));
+    EXPECT_FALSE(extended(problem, locally_from(0))) << "switched off";
+    EXPECT_FALSE(extended(problem, locally_from(kImages))) << "a small model";
+    ClusterProblem settling = problem;
+    settling.settle = true;
+    EXPECT_FALSE(extended(settling, locally_from(20)));
+    ClusterProblem grown = problem;
+    grown.recycled_state.images_at_full_adjustment = 20;
+    EXPECT_FALSE(extended(grown, locally_from(20))) << "all of it is to be adjusted";
+    ClusterProblem left = problem;
+    std::erase_if(left.images, [](const ClusterImage& image) { return image.id == kFar; });
+    std::erase_if(left.pairs, [](const VerifiedPairPtr& pair) { return pair->pair.first == kFar; });
+    EXPECT_FALSE(extended(left, locally_from(20))) << "an image has left";
+}
+
+TEST(ExtendLocally, LeavesABadConfigurationToASolveOfAll) {
+    const SyntheticScene scene = noisy_wall(6);
+    ClusterProblem problem = problem_without(scene, {kNew});
+    Reconstruction folded = *problem.recycled.front();
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(20.0 * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY()));
+    for (RegisteredImage& image : folded.images) {
+        if (image.image > kNew) image.cam_from_cluster.rotation *= turn;
+    }
+    problem.recycled = {std::make_shared<const Reconstruction>(folded)};
+    EXPECT_FALSE(extended(problem, locally_from(20)));
+    problem.recycled_state.tolerated_contradiction_deg = 20.0;
+    problem.recycled_state.images_at_contradiction = kImages;
+    EXPECT_TRUE(extended(problem, locally_from(20))) << "it is known, and nothing else was better";
+}
+
+TEST(ExtendLocally, AsksOfPlacesWhereAnImageStandsBesideStrangers) {
+    const SyntheticScene street = synthetic::make_scene(synthetic::line_along_wall(kImages), 7);
+    const SyntheticScene folded = two_streets(kImages, 0.4, 7);
+    const auto asks = [](const SyntheticScene& scene, const PlaceOptions& options) {
+        const Reconstruction model =
+            synthetic::true_reconstruction(scene, synthetic::random_gauge(3));
+        return std::ranges::count_if(model.images, [&](const RegisteredImage& image) {
+            return may_show_another_place(model, model.points, std::span(&image.image, 1), options);
+        });
+    };
+    EXPECT_EQ(asks(street, {}), 0);
+    EXPECT_GE(asks(folded, {}), kImages / 3) << "all whose neighbours see no copied facade";
+    PlaceOptions off;
+    off.min_contradictions = 0;
+    EXPECT_EQ(asks(folded, off), 0) << "switched off";
+}
+
+}  // namespace
+}  // namespace psfm

@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/refine_model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "stages/reconstruction/solve_cluster.h"
+#include "tests/stages/reconstruction/problems.h"
+#include "tests/stages/reconstruction/scene_model.h"
+#include "tests/synthetic/compare.h"
+#include "tests/synthetic/disturb.h"
+#include "tests/synthetic/verified_pairs.h"
+
+namespace psfm {
+namespace {
+
+using synthetic::SyntheticScene;
+
+constexpr std::uint32_t kImages = 40;
+
+SyntheticScene noisy_wall(std::uint64_t seed) {
+    return synthetic::add_pixel_noise(
+        synthetic::make_scene(synthetic::line_along_wall(kImages), seed), 0.3, seed);
+}
+
+std::vector<Rigid3> poses_of(const WorkingModel& model) {
+    std::vector<Rigid3> poses;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image)
+        poses.push_back(model.pose(image));
+    return poses;
+}
+
+/// Images whose poses differ, ascending.
+std::vector<std::uint32_t> moved_images(const std::vector<Rigid3>& before,
+                                        const WorkingModel& model) {
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t image = 0; image < before.size(); ++image) {
+        if (before[image].translation != model.pose(image).translation) moved.push_back(image);
+    }
+    return moved;
+}
+
+double mean_error(const SceneModel& wall) {
+    const auto error = synthetic::compare_with_truth(wall.model->save(), wall.scene);
+    EXPECT_TRUE(error.ok());
+    return error.ok() ? error->mean_position : 1e9;
+}
+
+TEST(RefineAround, MovesImagesAndTheirNeighboursOnly) {
+    const SceneModel wall(noisy_wall(1));
+    wall.disturb(0.005, 2);
+    const auto before = poses_of(*wall.model);
+    SolveOptions options;
+    const auto adjustments = refine_around(*wall.model, {20}, 0, true, options);
+    ASSERT_TRUE(adjustments.ok());
+    EXPECT_GT(*adjustments, 0U);
+    const auto moved = moved_images(before, *wall.model);
+    EXPECT_TRUE(std::ranges::binary_search(moved, 20U));
+    EXPECT_GE(moved.size(), 3U);
+    EXPECT_LT(moved.size(), kImages / 3);
+    EXPECT_EQ(moved.back() - moved.front() + 1, moved.size()) << "one stretch of the wall";
+
+    const auto further = refine_around(*wall.model, {20}, moved.size() + 1, true, options);
+    ASSERT_TRUE(further.ok());
+    const auto more = moved_images(before, *wall.model);
+    EXPECT_GT(more.size(), moved.size()) << "neighbours of neighbours";
+    EXPECT_LT(more.size(), kImages);
+}
+
+TEST(RefineAround, AdjustsAllWhereThatIsNearlyAll) {
+    const SceneModel wall(noisy_wall(1));
+    wall.disturb(0.005, 2);
+    const double disturbed = mean_error(wall);
+    const auto before = poses_of(*wall.model);
+    ASSERT_TRUE(refine_around(*wall.model, {20}, kImages, true, {}).ok());
+    EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "but for the gauge";
+    EXPECT_LT(mean_error(wall), disturbed);
+}
+
+TEST(RefineAround, CountsOnlyImagesThatAreThere) {
+    const SceneModel wall(noisy_wall(1));
+    wall.model->remove_image(20);
+    const auto adjustments = refine_around(*wall.model, {20}, 0, true, {});
+    ASSERT_TRUE(adjustments.ok());
+    EXPECT_EQ(*adjustments, 0U);
+}
+
+TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
+    SolveOptions options;
+    options.adjust_all_up_to = kImages;
+    const SceneModel small(noisy_wall(3));
+    small.disturb(0.005, 4);
+    auto before = poses_of(*small.model);
+    ASSERT_TRUE(refine_grown(*small.model, 4, true, options).ok());
+    EXPECT_GE(moved_images(before, *small.model).size(), kImages - 1);
+
+    options.adjust_all_up_to = kImages - 1;
+    const SceneModel large(noisy_wall(3));
+    large.disturb(0.005, 4);
+    before = poses_of(*large.model);
+    ASSERT_TRUE(refine_grown(*large.model, 4, true, options).ok());
+    const auto moved = moved_images(before, *large.model);
+    EXPECT_EQ(moved.back(), kImages - 1) << "the newest";
+    EXPECT_GT(moved.size(), 4U) << "and their neighbours";
+    EXPECT_LT(moved.size(), kImages / 2);
+}
+
+TEST(SolveCluster, AdjustsLargeModelsAroundTheirJoint) {
+    const SyntheticScene scene = noisy_wall(5);
+    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+    problem.fix_intrinsics = true;
+    const auto model_of = [&](std::uint32_t first, std::uint32_t last, std::uint64_t gauge) {
+        std::vector<ImageId> images;
+        for (std::uint32_t i = first; i < last; ++i) images.push_back(ImageId{i});
+        return std::make_shared<const Reconstruction>(
+            synthetic::true_reconstruction(scene, synthetic::random_gauge(gauge), images));
+    };
+    const auto base = model_of(0, 22, 1);
+    problem.recycled = {base, model_of(22, kImages, 2)};
+    problem.recycled_state.images_at_full_adjustment = 22;
+    SolveOptions options;
+    options.adjust_all_up_to = 30;
+    options.images_around_joint = 10;
+    const auto solution = solve_cluster(problem, options);
+    ASSERT_TRUE(solution.ok());
+    EXPECT_EQ(solution->statistics.joined_models, 1U);
+    EXPECT_GT(solution->statistics.full_adjustments, 0U);
+    EXPECT_EQ(solution->state.images_at_full_adjustment, kImages);
+    const auto moved_by = [&](ImageId image) {
+        return (solution->model->find(image)->cam_from_cluster.target_origin_in_source() -
+                base->find(image)->cam_from_cluster.target_origin_in_source())
+            .norm();
+    };
+    EXPECT_LT(moved_by(ImageId{0}), 1e-9) << "far from the joint";
+    EXPECT_GT(moved_by(ImageId{21}), 1e-4);
+    const auto error = synthetic::compare_with_truth(*solution->model, scene);
+    ASSERT_TRUE(error.ok());
+    EXPECT_LT(error->max_position, 0.1);  // of a wall of 80 m
+}
+
+}  // namespace
+}  // namespace psfm
