@@ -25,7 +25,7 @@ ReducedSystem::ReducedSystem(const WorkingModel& model, const AdjustmentSelectio
       columns_(columns),
       layout_(layout),
       evaluator_(model, selection, columns, options, layout),
-      groups_(groups_of(selection.residuals)),
+      groups_(groups_of(selection.residuals, columns)),
       points_(std::min(kBatch, groups_.size())),
       stripes_(std::clamp(columns.count / kStripeColumns, std::size_t{1}, kMaxStripes)),
       system_(pattern) {
@@ -39,13 +39,22 @@ ReducedSystem::ReducedSystem(const WorkingModel& model, const AdjustmentSelectio
 }
 
 std::vector<ReducedSystem::Group> ReducedSystem::groups_of(
-    const std::vector<AdjustmentResidual>& residuals) {
+    const std::vector<AdjustmentResidual>& residuals, const AdjustmentColumns& columns) {
     std::vector<Group> groups;
     for (std::size_t i = 0; i < residuals.size(); ++i) {
         const bool same = i > 0 && residuals[i].point == residuals[i - 1].point;
         if (!same) groups.push_back({i, 0});
         ++groups.back().count;
     }
+    // Points that the same images see follow each other: a batch of them adds to few tiles, which
+    // stay in the cache.
+    const auto columns_of = [&](const Group& group) {
+        const auto column = [&](std::size_t residual) {
+            return columns.pose[residuals[residual].feature.image];
+        };
+        return std::pair(column(group.first), column(group.first + group.count - 1));
+    };
+    std::ranges::stable_sort(groups, {}, columns_of);
     return groups;
 }
 
@@ -144,8 +153,9 @@ void ReducedSystem::add_pose(const EliminatedPoint& point, std::size_t left) {
     eliminated_.segment<6>(column).noalias() -= pose.scaled * point.gradient;
     for (std::size_t low = left; low < point.poses.size(); ++low) {
         const auto& other = point.poses[low];
-        system_.part<6, 6>(other.column, pose.column).noalias() -=
-            other.cross.lazyProduct(pose.scaled.transpose());
+        auto block = system_.part<6, 6>(other.column, pose.column);
+        subtract_coupling_(other.cross.data(), pose.scaled.data(), block.data(),
+                           static_cast<std::size_t>(block.outerStride()));
     }
     for (const auto& camera : point.intrinsics) {
         system_.part<Eigen::Dynamic, 6>(camera.column, pose.column, camera.size).noalias() -=

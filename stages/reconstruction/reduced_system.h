@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "stages/reconstruction/adjustment_problem.h"
+#include "stages/reconstruction/coupling_kernel.h"
 #include "stages/reconstruction/eliminate_point.h"
 #include "stages/reconstruction/reduced_adjustment.h"
 #include "stages/reconstruction/reprojection_cost.h"
@@ -52,7 +53,8 @@ class ReducedSystem {
         Eigen::Vector2d residual;
         Eigen::Matrix<double, 2, kIntrinsicsSize, Eigen::RowMajor> by_intrinsics;
     };
-    static std::vector<Group> groups_of(const std::vector<AdjustmentResidual>& residuals);
+    static std::vector<Group> groups_of(const std::vector<AdjustmentResidual>& residuals,
+                                        const AdjustmentColumns& columns);
     static LinearizedPrior linearize(const Prior& prior, const std::vector<double>& values);
 
     std::size_t batches() const;
@@ -83,6 +85,7 @@ class ReducedSystem {
     std::size_t stripes_ = 1;
     std::deque<Prior> priors_;
     TiledMatrix system_;
+    const CouplingKernel subtract_coupling_ = available_coupling_kernels().front().run;
     Eigen::VectorXd eliminated_;                    // what elimination adds to the gradient
     Eigen::VectorXd gradient_, squares_, damping_;  // of the cameras: J'r, diagonal of J'J, added
 };
