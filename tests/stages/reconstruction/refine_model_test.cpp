@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "stages/reconstruction/solve_cluster.h"
+#include "stages/reconstruction/tracks.h"
 #include "tests/stages/reconstruction/problems.h"
 #include "tests/stages/reconstruction/scene_model.h"
 #include "tests/synthetic/compare.h"
@@ -106,6 +108,54 @@ TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
     EXPECT_EQ(moved.back(), kImages - 1) << "the newest";
     EXPECT_GT(moved.size(), 4U) << "and their neighbours";
     EXPECT_LT(moved.size(), kImages / 2);
+}
+
+TEST(Adjust, HoldsPointsOfLongTracksWhereOneImageIsAdded) {
+    const SceneModel wall(noisy_wall(6));
+    const std::vector<std::uint32_t> added{20};
+    AdjustmentScope scope = local_scope(*wall.model, added, 5, false);
+    EXPECT_EQ(scope.longest_moving_track, 15U);
+    EXPECT_EQ(full_scope(*wall.model, false).longest_moving_track, 0U) << "all move";
+    scope.longest_moving_track = 3;
+    const auto seen = points_seen_by(*wall.model, added);
+    std::vector<Eigen::Vector3d> before;
+    for (const std::uint32_t point : seen) before.push_back(wall.model->points()[point].position);
+    ASSERT_TRUE(adjust(*wall.model, scope, {}).ok());
+    std::size_t held = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        const WorkingModel::Point& point = wall.model->points()[seen[i]];
+        const bool is_long = point.track.size() > 3;
+        EXPECT_EQ(point.position == before[i], is_long);
+        held += is_long ? 1 : 0;
+    }
+    EXPECT_GT(held, 20U);
+    EXPECT_LT(held, seen.size());
+}
+
+TEST(FilterTracks, LooksAtAllOfATrackOnlyWhereThePointHasChanged) {
+    const SceneModel wall(noisy_wall(7));
+    Rigid3 moved = wall.model->pose(21);
+    moved.translation.x() += 1.0;  // all that it sees is wrong now
+    wall.model->set_pose(21, moved);
+    std::vector<std::uint32_t> shared;
+    std::ranges::set_intersection(points_seen_by(*wall.model, std::vector<std::uint32_t>{20}),
+                                  points_seen_by(*wall.model, std::vector<std::uint32_t>{21}),
+                                  std::back_inserter(shared));
+    std::erase_if(shared,
+                  [&](std::uint32_t p) { return wall.model->points()[p].track.size() < 3; });
+    ASSERT_GT(shared.size(), 10U);
+    const auto seen_by_moved = [&](std::uint32_t p) {
+        return std::ranges::any_of(wall.model->points()[p].track,
+                                   [](const auto& feature) { return feature.image == 21; });
+    };
+    const std::uint32_t changed = shared.front();
+    wall.model->set_position(changed, wall.model->points()[changed].position);
+    filter_tracks(*wall.model, std::vector<std::uint32_t>{20}, {});
+    EXPECT_FALSE(seen_by_moved(changed));
+    EXPECT_TRUE(std::all_of(shared.begin() + 1, shared.end(), seen_by_moved))
+        << "neither they nor image 20 have changed";
+    filter_tracks(*wall.model, std::vector<std::uint32_t>{21}, {});
+    EXPECT_TRUE(std::none_of(shared.begin(), shared.end(), seen_by_moved));
 }
 
 TEST(SolveCluster, AdjustsLargeModelsAroundTheirJoint) {
