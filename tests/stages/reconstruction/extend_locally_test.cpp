@@ -171,14 +171,20 @@ TEST(ExtendLocally, LeavesTheRestOfTheModelAsItIs) {
 }
 
 TEST(ExtendLocally, RefinesNoCameraThatOthersShare) {
-    const SyntheticScene scene = noisy_wall(4);
-    ClusterProblem problem = problem_without(scene, {kNew});
-    problem.fix_intrinsics = false;
-    const auto local = extended(problem, locally_from(20));
-    ASSERT_TRUE(local);
-    EXPECT_EQ(local->statistics.registered, 1U);
-    EXPECT_EQ(local->model.cameras.begin()->second.params,
-              problem.recycled.front()->cameras.begin()->second.params);
+    SyntheticScene scene = noisy_wall(4);
+    constexpr CameraId kShared{77};
+    scene.cameras[kShared] = scene.cameras.begin()->second;
+    scene.images[index_of(kNew)].camera = kShared;
+    const auto refines = [&] {
+        ClusterProblem problem = problem_without(scene, {kNew});
+        problem.fix_intrinsics = false;
+        const auto local = extended(problem, locally_from(20));
+        EXPECT_TRUE(local && local->statistics.registered == 1);
+        return local && local->model.cameras.at(kShared).params != scene.cameras.at(kShared).params;
+    };
+    EXPECT_TRUE(refines()) << "no other image has it";
+    scene.images[index_of(kFar)].camera = kShared;
+    EXPECT_FALSE(refines()) << "an image has it that does not take part";
 }
 
 TEST(ExtendLocally, JoinsASmallModel) {
