@@ -90,6 +90,23 @@ TEST(RefineAround, CountsOnlyImagesThatAreThere) {
     EXPECT_EQ(*adjustments, 0U);
 }
 
+TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
+    const SceneModel wall(noisy_wall(8));
+    wall.disturb(0.005, 9);
+    const auto before = poses_of(*wall.model);
+    std::vector<std::uint32_t> joined;
+    for (std::uint32_t image = 28; image < kImages; ++image) joined.push_back(image);
+    SolveOptions options;
+    options.adjust_all_up_to = 30;
+    options.images_around_joint = 0;
+    const std::vector<std::uint32_t> joint{26, 27, 28, 29};
+    ASSERT_TRUE(refine_joined(*wall.model, joined, joint, true, options).ok());
+    const auto moved = moved_images(before, *wall.model);
+    EXPECT_EQ(moved.back(), kImages - 1) << "its far end, which nothing else holds";
+    EXPECT_TRUE(std::ranges::binary_search(moved, 26U));
+    EXPECT_GT(moved.front(), 15U);
+}
+
 TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
     SolveOptions options;
     options.adjust_all_up_to = kImages;
