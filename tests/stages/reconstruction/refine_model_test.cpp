@@ -136,6 +136,7 @@ TEST(Adjust, HoldsPointsOfLongTracksWhereOneImageIsAdded) {
     scope.longest_moving_track = 3;
     const auto seen = points_seen_by(*wall.model, added);
     std::vector<Eigen::Vector3d> before;
+    before.reserve(seen.size());
     for (const std::uint32_t point : seen) before.push_back(wall.model->points()[point].position);
     ASSERT_TRUE(adjust(*wall.model, scope, {}).ok());
     std::size_t held = 0;
