@@ -17,13 +17,6 @@
 namespace psfm {
 namespace {
 
-std::vector<ImageId> members_of(const ClusterProblem& problem) {
-    std::vector<ImageId> members;
-    members.reserve(problem.images.size());
-    for (const ClusterImage& image : problem.images) members.push_back(image.id);
-    return members;
-}
-
 /// Whether the cluster has a large model, and images beside that cannot make it due for an
 /// adjustment of all of it.
 bool is_extension(const ClusterProblem& problem, const SolveOptions& options) {

@@ -90,6 +90,13 @@ std::optional<Sim3> base_from_part(const Reconstruction& base, const Reconstruct
 
 }  // namespace
 
+std::vector<ImageId> members_of(const ClusterProblem& problem) {
+    std::vector<ImageId> members;
+    members.reserve(problem.images.size());
+    for (const ClusterImage& image : problem.images) members.push_back(image.id);
+    return members;
+}
+
 Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
                       const ClusterProblem& problem, const LocalGraph& graph,
                       const SolveOptions& options) {
@@ -126,9 +133,7 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
 Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
                         const SolveOptions& options) {
     model.load(*problem.recycled.front());
-    std::vector<ImageId> members;
-    members.reserve(problem.images.size());
-    for (const ClusterImage& image : problem.images) members.push_back(image.id);
+    const std::vector<ImageId> members = members_of(problem);
     std::vector<Reconstruction> parts;
     for (const auto& recycled : problem.recycled | std::views::drop(1))
         parts.push_back(restricted_to(*recycled, members));

@@ -19,6 +19,9 @@ struct Recycling {
     std::uint32_t left = 0;  ///< models that found no place: their images are added one by one
 };
 
+/// Images of a cluster, ascending.
+std::vector<ImageId> members_of(const ClusterProblem& problem);
+
 /// Moves models onto one that is there, each by the similarity that the 3D-3D correspondences of
 /// the local graph's edges between them agree on, if the relative rotations it brings about agree
 /// with the averaged ones. Models that find no place are tried again after each one that does.
