@@ -222,7 +222,9 @@ TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
     ClusterProblem grown = problem;
     grown.recycled_state.images_at_full_adjustment = 20;
     EXPECT_FALSE(extended(grown, locally_from(20))) << "all of it is to be adjusted";
-    ClusterProblem left = problem;
+    // Two are new, so that the cluster is larger than its model even without one that has left.
+    ClusterProblem left = problem_without(scene, {kNew, ImageId{27}});
+    ASSERT_TRUE(extended(left, locally_from(20)));
     std::erase_if(left.images, [](const ClusterImage& image) { return image.id == kFar; });
     std::erase_if(left.pairs, [](const VerifiedPairPtr& pair) { return pair->pair.first == kFar; });
     EXPECT_FALSE(extended(left, locally_from(20))) << "an image has left";
