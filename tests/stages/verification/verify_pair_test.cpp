@@ -83,6 +83,20 @@ TEST(VerifyPair, PlaneWithKnownCameras) {
     }
 }
 
+TEST(VerifyPair, PlanesOfCoarseMatchesAreFoundAsSurely) {
+    // A homography from four coarse matches has far fewer inliers than the best one.
+    TwoViewOptions options;
+    options.shape = Shape::kPlane;
+    options.noise_px = 0.7;
+    std::uint32_t planar = 0;
+    for (std::uint64_t scene = 1; scene <= 40; ++scene) {
+        const TwoViews views = make_two_views(options, scene);
+        const Result<TwoViewGeometry> geometry = verify_pair(views.matched(), {}, kSeed + scene);
+        if (geometry.ok() && geometry->kind == TwoViewKind::kPlanar) ++planar;
+    }
+    EXPECT_GE(planar, 39U);
+}
+
 TEST(VerifyPair, PureRotation) {
     for (const FocalSource source : {FocalSource::kGiven, FocalSource::kUnknown}) {
         TwoViewOptions options;
