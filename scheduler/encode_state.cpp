@@ -36,6 +36,8 @@ std::string encode_solve_state(const StoredSolveState& state) {
                 {"tolerated_contradiction_deg", state.state.tolerated_contradiction_deg},
                 {"images_at_contradiction", state.state.images_at_contradiction},
                 {"images_at_start", state.state.images_at_start},
+                {"images_at_places", state.state.images_at_places},
+                {"has_strangers", state.state.has_strangers},
                 {"settled", state.settled}}
         .dump();
 }
@@ -49,17 +51,20 @@ StoredSolveState decode_solve_state(const std::string& text) {
             found != object.end() && found->is_number_unsigned())
             field = found->get<std::uint32_t>();
     };
+    const auto flag = [&](const char* name, bool& field) {
+        if (const auto found = object.find(name); found != object.end() && found->is_boolean())
+            field = found->get<bool>();
+    };
     count("images_at_full_adjustment", state.state.images_at_full_adjustment);
     count("images_at_contradiction", state.state.images_at_contradiction);
     count("images_at_start", state.state.images_at_start);
+    count("images_at_places", state.state.images_at_places);
     if (const auto angle = object.find("tolerated_contradiction_deg");
         angle != object.end() && angle->is_number()) {
         state.state.tolerated_contradiction_deg = angle->get<double>();
     }
-    if (const auto settled = object.find("settled");
-        settled != object.end() && settled->is_boolean()) {
-        state.settled = settled->get<bool>();
-    }
+    flag("has_strangers", state.state.has_strangers);
+    flag("settled", state.settled);
     return state;
 }
 

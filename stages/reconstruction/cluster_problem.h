@@ -39,6 +39,10 @@ struct SolveState {
     std::uint32_t images_at_contradiction = 0;
     /// Images of the cluster when it was last solved new, whichever model was kept.
     std::uint32_t images_at_start = 0;
+    /// Images of the model when it was last asked for places (separate_places), and whether images
+    /// that were added since have given reason to.
+    std::uint32_t images_at_places = 0;
+    bool has_strangers = false;
     bool operator==(const SolveState&) const = default;
 };
 

@@ -3,6 +3,7 @@
 #include "stages/reconstruction/extend_locally.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "stages/reconstruction/contradiction.h"
@@ -38,6 +39,14 @@ std::vector<ImageId> added_images(const Reconstruction& before, const Reconstruc
     return added;
 }
 
+/// Whether a large model has hardly changed since it was asked for places.
+bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options) {
+    const auto images = static_cast<double>(attempt.model.images.size());
+    const auto asked = static_cast<double>(attempt.state.images_at_places);
+    return images > options.ask_at_once_up_to &&
+           std::abs(images - asked) <= options.ask_again * asked;
+}
+
 }  // namespace
 
 Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem,
@@ -71,8 +80,11 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
     attempt.model = put_back(before, *surroundings, after);
     attempt.contradiction = find_contradiction(model, *graph, options.max_contradiction_deg);
     if (reason_to_reset(attempt, problem, options)) return with_all;
-    if (!may_show_another_place(attempt.model, after.points, added_images(before, attempt.model),
-                                options.places))
+    attempt.state.has_strangers =
+        attempt.state.has_strangers ||
+        may_show_another_place(attempt.model, after.points, added_images(before, attempt.model),
+                               options.places);
+    if (!attempt.state.has_strangers || was_asked_lately(attempt, options.places))
         attempt.places.emplace();
     attempt.statistics.kind =
         problem.recycled.size() > 1 ? SolveKind::kTransfer : SolveKind::kExtend;

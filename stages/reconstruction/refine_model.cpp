@@ -151,7 +151,7 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
     // The others hold the gauge.
     const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
     if (is_most) region.clear();
-    return refine(model, region, fix_intrinsics, options.growth, options);
+    return refine(model, region, fix_intrinsics, options.large_growth, options);
 }
 
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,

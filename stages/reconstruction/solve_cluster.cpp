@@ -252,9 +252,12 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     }
     attempt.statistics.mean_error_px = mean_error_px(attempt.model);
     solution.waiting = waiting_images(problem, attempt.model, reason);
-    solution.places = attempt.places
-                          ? *std::move(attempt.places)
-                          : separate_places(attempt.model, problem.pairs, options.places);
+    if (!attempt.places) {
+        attempt.places = separate_places(attempt.model, problem.pairs, options.places);
+        attempt.state.images_at_places = static_cast<std::uint32_t>(attempt.model.images.size());
+        attempt.state.has_strangers = false;
+    }
+    solution.places = *std::move(attempt.places);
     solution.model = std::make_shared<const Reconstruction>(std::move(attempt.model));
     solution.state = attempt.state;
     solution.statistics = attempt.statistics;

@@ -23,8 +23,9 @@ Result<void> validate(const SolveOptions& options) {
     for (const Result<void>& part :
          {validate(options.absolute_pose), validate(options.tracks),
           validate(options.local_adjustment), validate(options.growth.adjustment),
-          validate(options.settling.adjustment), validate(options.rotation_averaging),
-          validate(options.global), validate(options.places)}) {
+          validate(options.large_growth.adjustment), validate(options.settling.adjustment),
+          validate(options.rotation_averaging), validate(options.global),
+          validate(options.places)}) {
         if (!part.ok()) return part;
     }
     if (options.mu_min < 2)
@@ -41,7 +42,7 @@ Result<void> validate(const SolveOptions& options) {
                      "negative"};
     }
     if (options.initialization.max_pairs == 0 || options.growth.max_rounds < 1 ||
-        options.settling.max_rounds < 1) {
+        options.large_growth.max_rounds < 1 || options.settling.max_rounds < 1) {
         return Error{ErrorCode::kInvalidArgument, "pairs and rounds must be at least 1"};
     }
     return {};

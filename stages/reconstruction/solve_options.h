@@ -157,6 +157,13 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
+    /// Of models of more than adjust_all_up_to, where they have grown or were joined. More or
+    /// longer rounds: slower; fewer: they stay bent by more until they settle
+    /// (docs/performance.md). Ours.
+    RefinementOptions large_growth{
+        .adjustment = {.loss_scale_px = 1.0, .max_iterations = 5, .function_tolerance = 1e-4},
+        .max_rounds = 1,
+        .points_per_image = 200};
     RefinementOptions settling{
         .images_for_principal_point = 5, .points_per_image = 2500, .thin_from_images = 200};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's

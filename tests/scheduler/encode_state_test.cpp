@@ -11,7 +11,9 @@ TEST(EncodeState, SolveStateSurvives) {
     const StoredSolveState state{{.images_at_full_adjustment = 17,
                                   .tolerated_contradiction_deg = 12.5,
                                   .images_at_contradiction = 20,
-                                  .images_at_start = 9},
+                                  .images_at_start = 9,
+                                  .images_at_places = 16,
+                                  .has_strangers = true},
                                  true};
     const StoredSolveState back = decode_solve_state(encode_solve_state(state));
     EXPECT_EQ(back.state, state.state);

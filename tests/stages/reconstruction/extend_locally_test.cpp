@@ -263,5 +263,54 @@ TEST(ExtendLocally, AsksOfPlacesWhereAnImageStandsBesideStrangers) {
     EXPECT_EQ(asks(folded, off), 0) << "switched off";
 }
 
+TEST(ExtendLocally, AsksALargeModelOfPlacesOnlyWhenItHasChanged) {
+    const SyntheticScene scene = noisy_wall(8);
+    ClusterProblem problem = problem_without(scene, {kNew});
+    problem.recycled_state.has_strangers = true;
+    const auto asks = [&](std::uint32_t asked_with, std::uint32_t at_once_up_to) {
+        problem.recycled_state.images_at_places = asked_with;
+        SolveOptions options = locally_from(20);
+        options.places.ask_at_once_up_to = at_once_up_to;
+        options.places.ask_again = 0.1;
+        const auto attempt = extended(problem, options);
+        EXPECT_TRUE(attempt && attempt->state.has_strangers) << "not forgotten before it is asked";
+        return attempt && !attempt->places;
+    };
+    EXPECT_FALSE(asks(28, kImages - 1)) << "two images are less than a tenth";
+    EXPECT_TRUE(asks(27, kImages - 1));
+    EXPECT_FALSE(asks(33, kImages - 1)) << "images that have left count, too";
+    EXPECT_TRUE(asks(34, kImages - 1));
+    EXPECT_TRUE(asks(28, kImages)) << "a small model is asked at once";
+
+    problem.recycled_state.images_at_places = 20;
+    const auto solved = solve_cluster(problem, locally_from(20));
+    ASSERT_TRUE(solved.ok());
+    EXPECT_EQ(solved->state.images_at_places, kImages);
+    EXPECT_FALSE(solved->state.has_strangers) << "it has been asked, and shows one place";
+}
+
+TEST(ExtendLocally, RemembersStrangersBesideALargeModelsNewImage) {
+    const SyntheticScene folded = two_streets(kImages, 0.4, 7);
+    SolveOptions options = locally_from(20);
+    options.places.ask_at_once_up_to = 10;
+    std::uint32_t extensions = 0;
+    std::uint32_t strangers = 0;
+    for (std::uint32_t i = 0; i < kImages; ++i) {
+        ClusterProblem problem = problem_without(folded, {ImageId{i}});
+        problem.recycled_state.images_at_places = kImages - 1;
+        options.places.ask_again = 1.0;
+        const auto later = extended(problem, options);
+        if (!later) continue;
+        ++extensions;
+        ASSERT_TRUE(later->places) << "not asked before it has doubled";
+        options.places.ask_again = 0.0;
+        const auto now = extended(problem, options);
+        EXPECT_EQ(!now->places, later->state.has_strangers);
+        if (later->state.has_strangers) ++strangers;
+    }
+    EXPECT_GE(extensions, kImages / 2);
+    EXPECT_GE(strangers, extensions / 4);
+}
+
 }  // namespace
 }  // namespace psfm
