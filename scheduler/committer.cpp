@@ -3,6 +3,8 @@
 #include "scheduler/committer.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "scheduler/describe_events.h"
 #include "scheduler/encode_state.h"
@@ -214,8 +216,11 @@ void Committer::advance(CommitOutput& output) {
     const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
         settle_first_ = false;
+        const std::size_t others = output.solves.size();
         for (const ClusterEntry* entry : state_.clusters.take_unsettled())
             output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
+        const auto settling = std::span(std::as_const(output.solves)).subspan(others);
+        if (!settling.empty()) events_.push_back(describe_settling(settling));
     }
     const bool quiet = all_verified && !state_.clusters.busy();
     const bool due = changed_ && !merging_ && !hold && time_for_version(quiet);

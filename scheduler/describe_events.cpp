@@ -136,6 +136,22 @@ SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const s
     return event;
 }
 
+SessionEvent describe_settling(std::span<const SolveMessage> solves) {
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kSettle;
+    std::size_t largest = 0;
+    for (const SolveMessage& solve : solves) {
+        event.clusters.push_back(index_of(solve.problem->cluster));
+        largest = std::max(largest, solve.problem->images.size());
+    }
+    const std::string images = std::to_string(largest) + " images";
+    event.text = solves.size() == 1 ? "settling the model of " + images
+                                    : "settling " + std::to_string(solves.size()) +
+                                          " models, the largest of " + images;
+    event.detail_json = nlohmann::json{{"models", solves.size()}, {"largest", largest}}.dump();
+    return event;
+}
+
 SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterSolution>& outcome,
                             const ClusterSolution& solution, bool published) {
     const SolveStatistics& statistics = solution.statistics;

@@ -138,6 +138,7 @@ struct SessionEvent {
         kTransfer,
         kAdopt,
         kPlaces,
+        kSettle,  ///< models begin to settle
         kSolve
     };
     Kind kind{};

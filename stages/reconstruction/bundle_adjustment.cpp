@@ -120,7 +120,7 @@ double observation_sigma(const Keypoint& keypoint, const AdjustmentOptions& opti
 }
 
 Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
-                                const AdjustmentOptions& options) {
+                                const AdjustmentOptions& options, const std::atomic<bool>* cancel) {
     AdjustmentSelection selection = select_residuals(model, scope);
     if (selection.residuals.empty())
         return Error{ErrorCode::kDegenerate, "bundle adjustment: no observations"};
@@ -130,9 +130,9 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
     const TilePattern pattern = pattern_of(columns, selection, model);
     const bool reduce = columns.count > 0 && pattern.bytes() <= std::size_t{options.max_reduced_mib}
                                                                     << 20U;
-    const auto costs = reduce
-                           ? adjust_reduced(model, selection, columns, pattern, options, parameters)
-                           : adjust_with_ceres(model, scope, selection, options, parameters);
+    const auto costs =
+        reduce ? adjust_reduced(model, selection, columns, pattern, options, parameters, cancel)
+               : adjust_with_ceres(model, scope, selection, options, parameters);
     if (!costs.ok()) return costs.error();
     write_back(parameters, selection, scope, model);
     AdjustmentReport report;

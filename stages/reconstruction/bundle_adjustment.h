@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -90,8 +91,11 @@ struct AdjustmentReport {
 /// Bundle adjustment, on the reduced camera system with TBB or, for very many images, with Ceres on
 /// one thread: bitwise repeatable for equal models, on any number of threads (Ceres's parameter
 /// blocks all lie in one array, see PARTS.md).
-/// @errors kDegenerate (nothing to adjust, or the solver found no usable step)
+/// @param cancel  when it becomes true the adjustment ends after the step under way, and the model
+/// stays as it was; Ceres goes on to its end. May be null
+/// @errors kDegenerate (nothing to adjust, or the solver found no usable step), kCancelled
 Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scope,
-                                const AdjustmentOptions& options);
+                                const AdjustmentOptions& options,
+                                const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace psfm

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "stages/reconstruction/cancelled.h"
 #include "stages/reconstruction/refine_model.h"
 
 namespace psfm {
@@ -100,8 +101,7 @@ Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
     std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
     while (const auto image =
                next_image(model, points_at_last_try, options.absolute_pose.min_inliers)) {
-        if (cancel != nullptr && cancel->load())
-            return Error{ErrorCode::kCancelled, "stopped on request"};
+        if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
         points_at_last_try[*image] = model.visible_points(*image);
         if (!register_image(model, *image, problem, options)) continue;
         if (!settle_image(model, *image, problem, options, statistics)) continue;

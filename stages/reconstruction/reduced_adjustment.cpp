@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "stages/reconstruction/cancelled.h"
 #include "stages/reconstruction/elimination_order.h"
 #include "stages/reconstruction/reduced_system.h"
 
@@ -136,7 +137,8 @@ Result<AdjustmentCosts> adjust_reduced(const WorkingModel& model,
                                        const AdjustmentSelection& selection,
                                        const AdjustmentColumns& columns, const TilePattern& pattern,
                                        const AdjustmentOptions& options,
-                                       AdjustmentParameters& parameters) {
+                                       AdjustmentParameters& parameters,
+                                       const std::atomic<bool>* cancel) {
     ReducedSystem system(model, selection, columns, pattern, options, parameters);
     std::vector<double>& values = parameters.values;
     AdjustmentCosts costs;
@@ -148,6 +150,7 @@ Result<AdjustmentCosts> adjust_reduced(const WorkingModel& model,
     TrustRegion region;
     std::vector<double> moved;
     while (costs.iterations < options.max_iterations && !region.exhausted()) {
+        if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
         ++costs.iterations;
         const auto expected = system.step(values, region.radius, moved);
         const bool is_usable = expected && *expected > 0.0;

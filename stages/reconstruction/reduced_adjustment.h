@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -54,11 +55,14 @@ struct AdjustmentCosts {
 /// @param selection  ordered by column
 /// @param pattern  of these columns
 /// @param parameters  taken to the least cost that is found
-/// @errors kDegenerate (no step lowers the cost, or a point is behind a camera at the start)
+/// @param cancel  asked before each step; may be null
+/// @errors kDegenerate (no step lowers the cost, or a point is behind a camera at the start),
+/// kCancelled
 Result<AdjustmentCosts> adjust_reduced(const WorkingModel& model,
                                        const AdjustmentSelection& selection,
                                        const AdjustmentColumns& columns, const TilePattern& pattern,
                                        const AdjustmentOptions& options,
-                                       AdjustmentParameters& parameters);
+                                       AdjustmentParameters& parameters,
+                                       const std::atomic<bool>* cancel);
 
 }  // namespace psfm

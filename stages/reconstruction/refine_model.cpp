@@ -84,7 +84,7 @@ AdjustmentScope scope_of(const WorkingModel& model, std::span<const std::uint32_
 /// Adjusts a region of the model, or all of it when none is given.
 Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_t>& region,
                              bool fix_intrinsics, const RefinementOptions& refinement,
-                             const SolveOptions& options) {
+                             const SolveOptions& options, const std::atomic<bool>* cancel) {
     std::uint32_t adjustments = 0;
     for (int round = 0; round < refinement.max_rounds; ++round) {
         std::size_t changed = complete_tracks(model, region, options.tracks);
@@ -96,7 +96,7 @@ Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_
         const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
         // Half a megabyte an image, which is not looked at before the next round.
         model.matches().forget();
-        const auto report = adjust(model, scope, refinement.adjustment);
+        const auto report = adjust(model, scope, refinement.adjustment, cancel);
         if (!report.ok()) return report.error();
         ++adjustments;
         if (scope.points) {
@@ -133,9 +133,9 @@ std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& option
 }
 
 Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
-                                   const RefinementOptions& refinement,
-                                   const SolveOptions& options) {
-    return refine(model, {}, fix_intrinsics, refinement, options);
+                                   const RefinementOptions& refinement, const SolveOptions& options,
+                                   const std::atomic<bool>* cancel) {
+    return refine(model, {}, fix_intrinsics, refinement, options, cancel);
 }
 
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
@@ -151,7 +151,7 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
     // The others hold the gauge.
     const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
     if (is_most) region.clear();
-    return refine(model, region, fix_intrinsics, options.large_growth, options);
+    return refine(model, region, fix_intrinsics, options.large_growth, options, nullptr);
 }
 
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,

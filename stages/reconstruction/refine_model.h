@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,11 +16,12 @@ namespace psfm {
 
 /// Adjusts all of a model: completes and joins tracks, adjusts, filters, and again until little
 /// changes; takes out images that are left with too few observations.
+/// @param cancel  asked before each step of an adjustment; may be null
 /// @return bundle adjustments done
-/// @errors kDegenerate
+/// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
-                                   const RefinementOptions& refinement,
-                                   const SolveOptions& options);
+                                   const RefinementOptions& refinement, const SolveOptions& options,
+                                   const std::atomic<bool>* cancel = nullptr);
 
 /// The same of some images, of all who share points with them, and so on until there are so many;
 /// the rest of the model holds the gauge. All of it is adjusted when that would be most of it.

@@ -62,7 +62,7 @@ Result<SolveAttempt> solve_globally(const ClusterProblem& problem, const LocalGr
     if (!grown.ok()) return grown.error();
     if (model.registered_count() > start->placed) {
         const auto adjustments =
-            refine_model(model, problem.fix_intrinsics, options.growth, options);
+            refine_model(model, problem.fix_intrinsics, options.growth, options, cancel);
         if (!adjustments.ok()) return adjustments.error();
         attempt.statistics.full_adjustments += *adjustments;
         attempt.state.images_at_full_adjustment = model.registered_count();
@@ -96,7 +96,9 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
         if (!grown.ok() && grown.error().code == ErrorCode::kCancelled) return grown.error();
         if (grown.ok() && model.registered_count() > best.model.images.size()) {
             const auto adjustments =
-                refine_model(model, problem.fix_intrinsics, options.settling, options);
+                refine_model(model, problem.fix_intrinsics, options.settling, options, cancel);
+            if (!adjustments.ok() && adjustments.error().code == ErrorCode::kCancelled)
+                return adjustments.error();
             if (adjustments.ok()) {
                 attempt.statistics.full_adjustments += *adjustments;
                 attempt.state.images_at_full_adjustment = model.registered_count();
@@ -162,8 +164,8 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         if (!mended.ok()) return mended.error();
     }
     if (problem.settle) {
-        const auto done =
-            take_over(refine_model(model, problem.fix_intrinsics, options.settling, options));
+        const auto done = take_over(
+            refine_model(model, problem.fix_intrinsics, options.settling, options, cancel));
         if (!done.ok()) return done.error();
     }
     finish(attempt, model, graph, options);

@@ -12,6 +12,7 @@
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/bundle_adjustment.h"
 #include "stages/reconstruction/calibrate_shared.h"
+#include "stages/reconstruction/cancelled.h"
 #include "stages/reconstruction/filter_directions.h"
 #include "stages/reconstruction/global_directions.h"
 #include "stages/reconstruction/refine_model.h"
@@ -144,20 +145,18 @@ Result<std::uint32_t> adjust_in_rounds(WorkingModel& model, const std::vector<Fe
     allowed.max_error_px = std::max(options.global.start_error_px, options.tracks.max_error_px);
     bool last = false;
     while (!last) {
-        if (cancel != nullptr && cancel->load()) {
-            return Error{ErrorCode::kCancelled, "stopped on request"};
-        }
+        if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
         last = allowed.max_error_px <= options.tracks.max_error_px;
         triangulate_tracks(model, tracks, allowed);
         AdjustmentOptions adjustment = options.global.adjustment;
         if (!last) adjustment.function_tolerance = options.global.round_tolerance;
-        const auto report = adjust(model, full_scope(model, !fix_intrinsics), adjustment);
+        const auto report = adjust(model, full_scope(model, !fix_intrinsics), adjustment, cancel);
         if (!report) return report.error();
         ++adjustments;
         filter_tracks(model, {}, allowed);
         allowed.max_error_px = std::max(0.5 * allowed.max_error_px, options.tracks.max_error_px);
     }
-    const auto all = refine_model(model, fix_intrinsics, options.growth, options);
+    const auto all = refine_model(model, fix_intrinsics, options.growth, options, cancel);
     if (!all) return all.error();
     return adjustments + *all;
 }
@@ -167,9 +166,7 @@ Result<std::uint32_t> adjust_in_rounds(WorkingModel& model, const std::vector<Fe
 Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProblem& problem,
                                         const LocalGraph& graph, const SolveOptions& options,
                                         const std::atomic<bool>* cancel) {
-    if (cancel != nullptr && cancel->load()) {
-        return Error{ErrorCode::kCancelled, "stopped on request"};
-    }
+    if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
     const auto calibrated = calibrate_shared_cameras(problem, graph, options, cancel);
     if (!calibrated) return calibrated.error();
     for (const auto& [id, camera] : *calibrated) model.mutable_camera(id) = camera;

@@ -113,7 +113,13 @@ TEST(Adoption, AnImageIsPlacedByTheClusterThatKnowsItsSurroundings) {
     EXPECT_LT(error->max_position, 0.01);
     EXPECT_EQ(session.state().counts.placed, kImages);
     EXPECT_EQ(session.reported().back(), kImages) << "reported once it has its place";
+    const auto settling = [&] {
+        return std::ranges::count(session.events(), SessionEvent::Kind::kSettle,
+                                  &SessionEvent::kind);
+    };
+    EXPECT_EQ(settling(), 0);
     session.end();
+    EXPECT_EQ(settling(), 1) << "all models at once";
     EXPECT_EQ(session.state().counts.placed, kImages);
     EXPECT_EQ(adoptions(session).size(), 1U);
     for (const auto& [id, entry] : session.state().clusters.entries()) EXPECT_TRUE(entry.settled);

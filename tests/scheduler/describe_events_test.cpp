@@ -81,5 +81,22 @@ TEST(DescribeReset, NamesThreeImagesAndCountsTheOthers) {
     EXPECT_THAT(event.detail_json, HasSubstr("photo4.jpg"));
 }
 
+TEST(DescribeEvents, SettlingNamesTheLargestModel) {
+    const auto solve_of = [](std::uint32_t cluster, std::size_t images) {
+        ClusterProblem problem;
+        problem.cluster = ClusterId{cluster};
+        problem.images.resize(images);
+        return SolveMessage{std::make_shared<const ClusterProblem>(problem)};
+    };
+    const std::vector<SolveMessage> two{solve_of(4, 7), solve_of(9, 120)};
+    const SessionEvent event = describe_settling(two);
+    EXPECT_EQ(event.kind, SessionEvent::Kind::kSettle);
+    EXPECT_EQ(event.text, "settling 2 models, the largest of 120 images");
+    EXPECT_EQ(event.clusters, (std::vector{4U, 9U}));
+    EXPECT_EQ(nlohmann::json::parse(event.detail_json),
+              (nlohmann::json{{"models", 2}, {"largest", 120}}));
+    EXPECT_EQ(describe_settling(std::span(two).first(1)).text, "settling the model of 7 images");
+}
+
 }  // namespace
 }  // namespace psfm

@@ -50,6 +50,11 @@ void Progress::on_publish(const PublishMessage& publish) {
             case SessionEvent::Kind::kAdopt:
                 if (terminal_) say(event.text);
                 break;
+            case SessionEvent::Kind::kSettle:
+                if (terminal_) say(event.text);
+                settling_ = event.clusters.size();
+                settled_before_ = publish.counts.solves_settle;
+                break;
             case SessionEvent::Kind::kSolve:
                 break;
         }
@@ -77,6 +82,10 @@ void Progress::show(const SessionCounts& counts) {
                   " images, %u placed, %u waiting, %u clusters in %u parts, %.2f images/s",
                   counts.placed, counts.waiting, counts.clusters, counts.effective_clusters, rate);
     line += text;
+    if (settling_ > 0) {
+        line += ", " + std::to_string(counts.solves_settle - settled_before_) + " of " +
+                std::to_string(settling_) + " models settled";
+    }
     if (expected_ > done_ && rate > 0.0)
         line += ", " + format_duration(static_cast<double>(expected_ - done_) / rate) + " left";
     std::cerr << "\r\x1b[K" << line << std::flush;

@@ -37,6 +37,8 @@ class Progress final : public SessionObserver {
     bool terminal_;
     bool line_open_ = false;
     std::size_t done_ = 0;
+    std::size_t settling_ = 0;  // models, of the last time that some began to
+    std::uint32_t settled_before_ = 0;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

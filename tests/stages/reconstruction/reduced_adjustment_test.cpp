@@ -108,6 +108,15 @@ TEST(AdjustReduced, PartOfAModelIsAdjustedLikewise) {
     EXPECT_LT(difference(*ours.model, *ceres.model), 1e-4);
 }
 
+TEST(AdjustReduced, LeavesTheModelAsItIsWhenItIsCancelled) {
+    const DisturbedRing ring, before;
+    const std::atomic<bool> cancel{true};
+    const auto report = adjust(*ring.model, ring.scope(true), precise(true), &cancel);
+    ASSERT_FALSE(report.ok());
+    EXPECT_EQ(report.error().code, ErrorCode::kCancelled);
+    EXPECT_EQ(difference(*ring.model, *before.model), 0.0);
+}
+
 TEST(AdjustReduced, GaugeStays) {
     const DisturbedRing ring, before;
     const AdjustmentScope scope = ring.scope(true);

@@ -164,6 +164,20 @@ TEST(SolveCluster, StopsOnRequest) {
     EXPECT_EQ(solution.error().code, ErrorCode::kCancelled);
 }
 
+TEST(SolveCluster, StopsSettlingOnRequest) {
+    const SyntheticScene scene = noisy_ring(8, 8);
+    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+    const auto solution = solve_cluster(problem, {});
+    ASSERT_TRUE(solution.ok());
+    problem.recycled = {solution->model};
+    problem.recycled_state = solution->state;
+    problem.settle = true;
+    const std::atomic<bool> cancel{true};
+    const auto settled = solve_cluster(problem, {}, &cancel);
+    ASSERT_FALSE(settled.ok()) << "there is nothing to be added, only to be adjusted";
+    EXPECT_EQ(settled.error().code, ErrorCode::kCancelled);
+}
+
 TEST(SolveCluster, RefusesBrokenProblems) {
     const SyntheticScene scene = noisy_ring(6, 9);
     ClusterProblem problem = problem_of(scene, {});
