@@ -23,8 +23,9 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const RefinementOptions& refinement, const SolveOptions& options,
                                    const std::atomic<bool>* cancel = nullptr);
 
-/// The same of some images, of all who share points with them, and so on until there are so many;
-/// the rest of the model holds the gauge. All of it is adjusted when that would be most of it.
+/// The same, roughly (`large_growth`), of some images, of all who share points with them, and so on
+/// until there are so many; the rest of the model holds the gauge. All of it is adjusted when that
+/// would be most of it.
 /// @param images  ascending; those that are not registered do not count
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
                                     std::size_t at_least, bool fix_intrinsics,

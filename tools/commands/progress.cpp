@@ -32,6 +32,7 @@ Progress::~Progress() {
 void Progress::on_publish(const PublishMessage& publish) {
     if (log_) log_->write(publish);
     done_ += publish.images.size();
+    if (!publish.images.empty()) settling_ = 0;  // a watched folder goes on after it has settled
     for (const SessionEvent& event : publish.events) {
         switch (event.kind) {
             case SessionEvent::Kind::kRejected:

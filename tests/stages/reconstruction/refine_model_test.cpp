@@ -72,6 +72,19 @@ TEST(RefineAround, MovesImagesAndTheirNeighboursOnly) {
     EXPECT_LT(more.size(), kImages);
 }
 
+TEST(RefineAround, DoesSoManyRoundsAsALargeModelIsGiven) {
+    SolveOptions options;
+    options.large_growth.max_change = 0.0;  // no round is the last because little changed
+    for (const int rounds : {1, 3}) {
+        const SceneModel wall(noisy_wall(1));
+        wall.disturb(0.005, 2);
+        options.large_growth.max_rounds = rounds;
+        const auto adjustments = refine_around(*wall.model, {20}, 0, true, options);
+        ASSERT_TRUE(adjustments.ok());
+        EXPECT_EQ(*adjustments, static_cast<std::uint32_t>(rounds));
+    }
+}
+
 TEST(RefineAround, AdjustsAllWhereThatIsNearlyAll) {
     const SceneModel wall(noisy_wall(1));
     wall.disturb(0.005, 2);
