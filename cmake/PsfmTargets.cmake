@@ -62,7 +62,7 @@ endfunction()
 function(psfm_hold_opencv_threads name)
   if(PSFM_SANITIZE MATCHES "thread")
     target_sources(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/opencv_without_threads.cpp")
-    target_link_libraries(${name} PRIVATE opencv_core)
+    target_link_libraries(${name} PRIVATE opencv_core opencv_imgcodecs)
   endif()
 endfunction()
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,14 @@ struct Reconstruction {
     /// Binary search; nullptr when the image is not registered.
     const RegisteredImage* find(ImageId image) const;
     bool empty() const { return images.empty(); }
+};
+
+/// How a model followed from another one of its cluster, where most of it stayed as it was: the
+/// points of `before` that are not replaced come first, in their order; all its images are there
+/// still.
+struct Succession {
+    std::shared_ptr<const Reconstruction> before;
+    std::vector<std::uint8_t> replaced;  ///< by point of `before`: 1 where it is not in the new one
 };
 
 /// The part of a model that some images see: their poses, the cameras and points of these.

@@ -182,6 +182,7 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
     stored_solution.revision = entry->revision;
     stored_solution.model = entry->model;
     stored_solution.state_json = encode_solve_state({solution.state, entry->settled});
+    stored_solution.succession = std::move(solution.succession);
     // What is found of places may change the clusters, and may be the end of this one.
     StoredCluster own = stored(*entry);
     StoredEdit edit = separate(*message.problem, *message.solution);

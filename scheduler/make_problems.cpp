@@ -70,13 +70,17 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->settle = settle;
     problem->seed = config.seed;
     const std::vector<ImageId> images = state.clusters.images_of(entry);
+    // A table, since every edge is looked up in it.
+    std::vector<bool> is_among(state.view_graph.size(), false);
+    for (const ImageId id : images) is_among[index_of(id)] = true;
+    problem->images.reserve(images.size());
     for (const ImageId id : images) {
         const Image& image = state.images[index_of(id)];
         problem->images.push_back(
             {id, image.camera, image.metadata.content_hash, state.keypoints[index_of(id)]});
         problem->cameras.emplace(image.camera, state.cameras.at(image.camera));
         for (const ViewGraph::Edge& edge : state.view_graph.edges(id)) {
-            if (edge.neighbor > id && std::ranges::binary_search(images, edge.neighbor))
+            if (edge.neighbor > id && is_among[index_of(edge.neighbor)])
                 problem->pairs.push_back(edge.pair);
         }
     }

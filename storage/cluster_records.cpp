@@ -3,6 +3,7 @@
 #include "storage/cluster_records.h"
 
 #include <algorithm>
+#include <cstring>
 #include <functional>
 
 #include "storage/compact_list.h"
@@ -62,9 +63,9 @@ Result<std::string> encode_cluster(const ClusterRecord& record) {
     }
     const auto apart = numbers.empty() ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>()
                                        : builder.CreateVector(numbers);
-    builder.Finish(records::CreateCluster(builder, members, cluster.topology,
-                                          cluster.solved_topology, cluster.revision, record.removed,
-                                          cluster.transfer_topology, recycled, adopted, apart));
+    builder.Finish(records::CreateCluster(
+        builder, members, cluster.topology, cluster.solved_topology, cluster.revision,
+        record.removed, cluster.transfer_topology, recycled, adopted, apart, record.whole));
     return finished(builder);
 }
 
@@ -82,7 +83,8 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
                           record->transfer_topology(),
                           {},
                           {}},
-                         record->removed()};
+                         record->removed(),
+                         record->whole()};
     if (const auto* recycled = record->recycled()) {
         if (recycled->size() % 2 != 0) return damaged_payload("list of recycled models is broken");
         for (flatbuffers::uoffset_t i = 0; i < recycled->size(); i += 2) {
@@ -103,7 +105,30 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
         }
     }
     if (const char* problem = problem_of(result.cluster)) return damaged_payload(problem);
+    if (result.whole > result.cluster.revision)
+        return damaged_payload("its latest solution builds on one to come");
     return result;
+}
+
+std::string encode_superseded(const SolutionKey& key, std::uint32_t whole) {
+    if (whole == key.revision) return {};
+    std::string payload(sizeof(whole), '\0');
+    std::memcpy(payload.data(), &whole, sizeof(whole));
+    return payload;
+}
+
+Result<std::uint32_t> decode_superseded(const SolutionKey& key, std::string_view payload) {
+    if (payload.empty()) return key.revision;
+    std::uint32_t whole = 0;
+    if (payload.size() != sizeof(whole)) return damaged_payload("has another size than it should");
+    std::memcpy(&whole, payload.data(), sizeof(whole));
+    if (whole == 0 || whole >= key.revision)
+        return damaged_payload("its solution builds on one to come");
+    return whole;
+}
+
+std::uint32_t whole_revision(const ClusterRecord& record) {
+    return record.whole == 0 ? record.cluster.revision : record.whole;
 }
 
 }  // namespace psfm

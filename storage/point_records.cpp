@@ -5,8 +5,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -71,8 +73,8 @@ class RegisteredImages {
 
 constexpr std::size_t kPartPoints = 8192;  // that one task encodes
 
-std::span<const ScenePoint> part_of(const std::vector<ScenePoint>& points, std::size_t part) {
-    const auto from = std::span(points).subspan(part * kPartPoints);
+std::span<const ScenePoint> part_of(std::span<const ScenePoint> points, std::size_t part) {
+    const auto from = points.subspan(part * kPartPoints);
     return from.first(std::min(kPartPoints, from.size()));
 }
 
@@ -104,7 +106,7 @@ EncodedTracks encode_tracks(std::span<const ScenePoint> points,
 }
 
 /// Of whatever numbers.
-bool no_observation_twice(const std::vector<ScenePoint>& points) {
+bool no_observation_twice(std::span<const ScenePoint> points) {
     std::vector<Observation> all;
     for (const ScenePoint& point : points)
         all.insert(all.end(), point.track.begin(), point.track.end());
@@ -112,19 +114,53 @@ bool no_observation_twice(const std::vector<ScenePoint>& points) {
     return std::ranges::adjacent_find(all) == all.end();
 }
 
-}  // namespace
+[[maybe_unused]] bool keeps_points(const Reconstruction& model, const Succession& succession) {
+    auto kept = model.points.begin();
+    for (std::size_t p = 0; p < succession.replaced.size(); ++p) {
+        if (succession.replaced[p] != 0) continue;
+        const ScenePoint& before = succession.before->points[p];
+        const bool same = kept->position == before.position && kept->error_px == before.error_px &&
+                          kept->track == before.track;
+        if (!same) return false;
+        ++kept;
+    }
+    return true;
+}
 
-Result<std::string> encode_points(const Reconstruction& model, const std::string& state_json) {
-    std::vector<EncodedTracks> parts((model.points.size() + kPartPoints - 1) / kPartPoints);
+/// What the points of a record follow.
+struct Followed {
+    std::uint32_t since = 0;
+    CompactListWriter kept = {};
+    std::size_t kept_points = 0;
+};
+
+Followed followed_by(const Succession& succession, std::uint32_t since) {
+    Followed followed{since};
+    const std::vector<std::uint8_t>& replaced = succession.replaced;
+    auto run = replaced.begin();
+    for (std::uint8_t is_replaced = 0; run != replaced.end(); is_replaced ^= 1U) {
+        const auto end = std::find(run, replaced.end(), is_replaced ^ 1U);
+        const auto length = static_cast<std::size_t>(end - run);
+        followed.kept.put(length);
+        if (is_replaced == 0) followed.kept_points += length;
+        run = end;
+    }
+    return followed;
+}
+
+/// @param points  of the model, those that are written
+Result<std::string> encode(const Reconstruction& model, std::span<const ScenePoint> points,
+                           const std::string& state_json, const Followed& followed) {
+    std::vector<EncodedTracks> parts((points.size() + kPartPoints - 1) / kPartPoints);
     const RegisteredImages registered(model);
     bool each_feature_once = true;
     // A waiting thread must not begin a solve in the middle of a commit.
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_invoke(
-            [&] { each_feature_once = each_feature_in_one_point(model.points); },
+            [&] { each_feature_once = each_feature_in_one_point(points); },
             [&] {
                 tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-                    parts[part] = encode_tracks(part_of(model.points, part), registered);
+                    parts[part] = encode_tracks(part_of(points, part), registered);
                 });
             });
     });
@@ -142,26 +178,45 @@ Result<std::string> encode_points(const Reconstruction& model, const std::string
     if (!each_feature_once) return not_storable("a feature belongs to two points");
     constexpr std::size_t kMaxBytes = std::size_t{2'000} << 20U;
     constexpr std::size_t kSlack = 1024;  // the table itself, and alignment
-    const std::size_t bytes = model.points.size() * (3 * sizeof(double) + sizeof(float)) +
-                              track_bytes + state_json.size() + kSlack;
+    const std::size_t bytes = points.size() * (3 * sizeof(double) + sizeof(float)) + track_bytes +
+                              followed.kept.bytes().size() + state_json.size() + kSlack;
     if (bytes > kMaxBytes) return not_storable("points take more than 2 GiB");
     flatbuffers::FlatBufferBuilder builder(bytes);
     double* position = nullptr;
     float* error = nullptr;
     std::uint8_t* track = nullptr;
-    const auto position_vector =
-        builder.CreateUninitializedVector(3 * model.points.size(), &position);
-    for (const ScenePoint& point : model.points)
+    const auto position_vector = builder.CreateUninitializedVector(3 * points.size(), &position);
+    for (const ScenePoint& point : points)
         position = std::copy_n(point.position.data(), 3, position);
-    const auto error_vector = builder.CreateUninitializedVector(model.points.size(), &error);
-    for (const ScenePoint& point : model.points) *error++ = point.error_px;
+    const auto error_vector = builder.CreateUninitializedVector(points.size(), &error);
+    for (const ScenePoint& point : points) *error++ = point.error_px;
     const auto track_vector = builder.CreateUninitializedVector(track_bytes, &track);
     for (const EncodedTracks& part : parts)
         track = std::ranges::copy(part.tracks.bytes(), track).out;
     const auto state = builder.CreateString(state_json);
-    builder.Finish(
-        records::CreatePoints(builder, position_vector, error_vector, track_vector, state));
+    const auto kept = followed.since == 0 ? flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>>()
+                                          : builder.CreateVector(followed.kept.bytes().data(),
+                                                                 followed.kept.bytes().size());
+    builder.Finish(records::CreatePoints(builder, position_vector, error_vector, track_vector,
+                                         state, followed.since, kept));
     return finished(builder);
+}
+
+}  // namespace
+
+Result<std::string> encode_points(const Reconstruction& model, const std::string& state_json) {
+    return encode(model, model.points, state_json, {});
+}
+
+Result<std::string> encode_changed_points(const Reconstruction& model,
+                                          const std::string& state_json,
+                                          const Succession& succession, std::uint32_t since) {
+    const Followed followed = followed_by(succession, since);
+    if (followed.kept_points > model.points.size())
+        return not_storable("more points are kept than there are");
+    assert(keeps_points(model, succession));
+    return encode(model, std::span(model.points).subspan(followed.kept_points), state_json,
+                  followed);
 }
 
 Result<SolutionPoints> decode_points(std::string_view payload) {
@@ -176,6 +231,17 @@ Result<SolutionPoints> decode_points(std::string_view payload) {
     if (!is_aligned(positions, alignof(double))) return damaged_payload(kNotATable);
     SolutionPoints result;
     result.state_json = record->state_json()->str();
+    result.since = record->since();
+    if ((record->kept() == nullptr) != (result.since == 0))
+        return damaged_payload("what it changes and what is kept do not belong together");
+    if (record->kept() != nullptr) {
+        CompactListReader runs(bytes_of(*record->kept()));
+        while (!runs.at_end()) {
+            const auto length = runs.take();
+            if (!length) return damaged_payload("list of kept points is broken");
+            result.kept.push_back(*length);
+        }
+    }
     result.points.reserve(errors.size());
     CompactListReader list(bytes_of(*record->tracks()));
     for (flatbuffers::uoffset_t i = 0; i < errors.size(); ++i) {
@@ -198,7 +264,27 @@ bool points_belong_to(const std::vector<ScenePoint>& points, const Reconstructio
         points, [&](const ScenePoint& point) { return registered.have(point.track); });
 }
 
-bool each_feature_in_one_point(const std::vector<ScenePoint>& points) {
+Result<void> apply(SolutionPoints changes, std::vector<ScenePoint>& points) {
+    std::vector<ScenePoint> kept;
+    kept.reserve(points.size() + changes.points.size());
+    std::size_t at = 0;
+    bool is_kept = true;
+    for (const std::uint32_t length : changes.kept) {
+        if (length > points.size() - at)
+            return damaged_payload("more points are kept than the solution before has");
+        const auto from = points.begin() + static_cast<std::ptrdiff_t>(at);
+        if (is_kept) std::move(from, from + length, std::back_inserter(kept));
+        at += length;
+        is_kept = !is_kept;
+    }
+    if (at != points.size())
+        return damaged_payload("says of another number of points which are kept");
+    std::ranges::move(changes.points, std::back_inserter(kept));
+    points = std::move(kept);
+    return {};
+}
+
+bool each_feature_in_one_point(std::span<const ScenePoint> points) {
     // One bit for each feature of each image, up to the largest that is seen.
     std::vector<std::uint64_t> features;  // by image
     std::size_t observations = 0;

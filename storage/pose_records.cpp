@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cstring>
 #include <functional>
+#include <iterator>
+#include <utility>
 
 #include "storage/flat_payload.h"
 #include "storage/generated/records_generated.h"
@@ -11,6 +14,15 @@
 namespace psfm {
 namespace {
 
+const char* const kNoCamera = "camera of a registered image is missing";
+
+bool has_cameras(const Reconstruction& model) {
+    return std::ranges::all_of(model.images, [&](const RegisteredImage& image) {
+        return model.cameras.contains(image.camera);
+    });
+}
+
+/// Of images and cameras by themselves.
 const char* problem_of(const Reconstruction& model) {
     if (std::ranges::adjacent_find(model.images, std::greater_equal<>{}, &RegisteredImage::image) !=
         model.images.end()) {
@@ -18,7 +30,6 @@ const char* problem_of(const Reconstruction& model) {
     }
     for (const RegisteredImage& image : model.images) {
         if (!is_sound(image.cam_from_cluster)) return "pose is not a rigid motion";
-        if (!model.cameras.contains(image.camera)) return "camera of a registered image is missing";
     }
     for (const auto& [id, camera] : model.cameras) {
         if (!is_sound(camera)) return "camera is impossible";
@@ -26,10 +37,41 @@ const char* problem_of(const Reconstruction& model) {
     return nullptr;
 }
 
-}  // namespace
+/// To the last bit: what is read from changes is what it would be if it were stored whole.
+bool same_bits(const double* a, const double* b, std::size_t count) {
+    return std::memcmp(a, b, count * sizeof(double)) == 0;
+}
 
-Result<std::string> encode_poses(const Reconstruction& model) {
-    if (const char* problem = problem_of(model)) return not_storable(problem);
+bool is_same(const RegisteredImage& a, const RegisteredImage& b) {
+    const Rigid3& from = a.cam_from_cluster;
+    const Rigid3& to = b.cam_from_cluster;
+    return a.image == b.image && a.camera == b.camera &&
+           same_bits(from.rotation.coeffs().data(), to.rotation.coeffs().data(), 4) &&
+           same_bits(from.translation.data(), to.translation.data(), 3);
+}
+
+bool is_same(const Camera& a, const Camera& b) {
+    return a == b && same_bits(a.params.data(), b.params.data(), a.params.size());
+}
+
+/// Images and cameras of a model that `before` does not have so.
+Reconstruction changed_poses(const Reconstruction& model, const Reconstruction& before) {
+    Reconstruction changed;
+    std::ranges::copy_if(model.images, std::back_inserter(changed.images),
+                         [&](const RegisteredImage& image) {
+                             const RegisteredImage* known = before.find(image.image);
+                             return known == nullptr || !is_same(image, *known);
+                         });
+    for (const auto& [id, camera] : model.cameras) {
+        const auto known = before.cameras.find(id);
+        if (known == before.cameras.end() || !is_same(camera, known->second))
+            changed.cameras.emplace(id, camera);
+    }
+    return changed;
+}
+
+/// REQUIRES: sound
+std::string encode(const Reconstruction& model, std::uint32_t since) {
     flatbuffers::FlatBufferBuilder builder;
     std::vector<records::Pose> poses;
     poses.reserve(model.images.size());
@@ -44,16 +86,33 @@ Result<std::string> encode_poses(const Reconstruction& model) {
     }
     const auto camera_vector = builder.CreateVector(cameras);
     const auto pose_vector = builder.CreateVectorOfStructs(poses);
-    builder.Finish(records::CreatePoses(builder, pose_vector, camera_vector));
+    builder.Finish(records::CreatePoses(builder, pose_vector, camera_vector, since));
     return finished(builder);
 }
 
-Result<Reconstruction> decode_poses(std::string_view payload) {
+}  // namespace
+
+Result<std::string> encode_poses(const Reconstruction& model) {
+    if (const char* problem = problem_of(model)) return not_storable(problem);
+    if (!has_cameras(model)) return not_storable(kNoCamera);
+    return encode(model, 0);
+}
+
+Result<std::string> encode_changed_poses(const Reconstruction& model, const Reconstruction& before,
+                                         std::uint32_t since) {
+    if (const char* problem = problem_of(model)) return not_storable(problem);
+    if (!has_cameras(model)) return not_storable(kNoCamera);
+    return encode(changed_poses(model, before), since);
+}
+
+Result<SolutionPoses> decode_poses(std::string_view payload) {
     const FlatPayload flat(payload);
     const auto* record = flat.root<records::Poses>();
     if (record == nullptr) return damaged_payload(kNotATable);
     if (!is_aligned(*record->images(), alignof(records::Pose))) return damaged_payload(kNotATable);
-    Reconstruction model;
+    SolutionPoses result;
+    result.since = record->since();
+    Reconstruction& model = result.model;
     model.images.reserve(record->images()->size());
     for (const records::Pose* pose : *record->images()) {
         model.images.push_back({static_cast<ImageId>(pose->image()),
@@ -68,7 +127,21 @@ Result<Reconstruction> decode_poses(std::string_view payload) {
         }
     }
     if (const char* problem = problem_of(model)) return damaged_payload(problem);
-    return model;
+    if (result.since == 0 && !has_cameras(model)) return damaged_payload(kNoCamera);
+    return result;
+}
+
+Result<void> apply(SolutionPoses changes, Reconstruction& poses) {
+    for (const auto& [id, camera] : changes.model.cameras)
+        poses.cameras.insert_or_assign(id, camera);
+    std::vector<RegisteredImage> images;
+    images.reserve(poses.images.size() + changes.model.images.size());
+    // Both ascend; where both have an image, the changed one is taken.
+    std::ranges::set_union(changes.model.images, poses.images, std::back_inserter(images), {},
+                           &RegisteredImage::image, &RegisteredImage::image);
+    poses.images = std::move(images);
+    if (!has_cameras(poses)) return damaged_payload(kNoCamera);
+    return {};
 }
 
 }  // namespace psfm

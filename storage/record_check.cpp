@@ -7,7 +7,7 @@
 #include "storage/image_records.h"
 #include "storage/pair_records.h"
 #include "storage/record_reads.h"
-#include "storage/solution_records.h"
+#include "storage/solution_chain.h"
 #include "storage/tolerant_walk.h"
 
 namespace psfm {
@@ -80,10 +80,7 @@ void RecordCheck::check_meta(std::string_view key, std::string_view value) {
     } else if (const auto solution = decode_superseded_key(key)) {
         superseded_.insert(*solution);
         decode(Family::kMeta, RecordKind::kSuperseded, key, value,
-               [](std::string_view payload) -> Result<bool> {
-                   if (payload.empty()) return true;
-                   return Error{ErrorCode::kDamaged, "should be empty"};
-               });
+               [&](std::string_view payload) { return decode_superseded(*solution, payload); });
     } else {
         damaged(Family::kMeta, key, kStrangeKey);
     }
@@ -169,31 +166,36 @@ void RecordCheck::check_poses(std::string_view key, std::string_view value) {
     solutions_.insert(*solution);
     const auto poses = decode(Family::kSolutions, RecordKind::kPoses, key, value, decode_poses);
     if (!poses) return;
-    for (const RegisteredImage& image : poses->images) {
+    for (const RegisteredImage& image : poses->model.images) {
         if (!images_.contains(image.image)) {
             damaged(Family::kSolutions, key, "its " + name(image.image) + " is missing");
         }
     }
+    if (poses->since == 0) return;
+    const auto whole = read_poses(*view_, *solution);
+    if (!whole) damaged(Family::kSolutions, key, whole.error().message);
 }
 
 void RecordCheck::check_points(std::string_view key, std::string_view value) {
     const auto solution = decode_solution_key(key);
     if (!solution) return damaged(Family::kPoints, key, kStrangeKey);
     with_points_.insert(*solution);
-    const auto points = decode(Family::kPoints, RecordKind::kPoints, key, value, decode_points);
-    if (!points) return;
+    const auto own = decode(Family::kPoints, RecordKind::kPoints, key, value, decode_points);
+    if (!own) return;
     if (!solutions_.contains(*solution)) {
         return damaged(Family::kPoints, key, "its solution is missing");
     }
     const auto poses = read_poses(*view_, *solution);
     if (!poses || !poses->has_value()) return;  // in the report already
-    if (!points_belong_to(points->points, **poses)) {
+    const auto points = read_points(*view_, *solution);
+    if (!points) return damaged(Family::kPoints, key, points.error().message);
+    if (!points_belong_to((*points)->points, **poses)) {
         damaged(Family::kPoints, key, "a point observes an image that has no pose");
     }
-    if (!each_feature_in_one_point(points->points)) {
+    if (!each_feature_in_one_point((*points)->points)) {
         damaged(Family::kPoints, key, "a feature belongs to two points");
     }
-    const bool there = std::ranges::all_of(points->points, [&](const ScenePoint& point) {
+    const bool there = std::ranges::all_of(own->points, [&](const ScenePoint& point) {
         return std::ranges::all_of(point.track, [&](const Observation& observation) {
             return has_feature(observation.image, observation.feature);
         });

@@ -23,8 +23,15 @@ enum class RecordKind : std::uint8_t {
 };
 
 /// The newest format version of a kind that this program reads, and the one it writes.
-constexpr std::uint16_t current_version(RecordKind /*kind*/) {
-    return 1;
+constexpr std::uint16_t current_version(RecordKind kind) {
+    switch (kind) {
+        case RecordKind::kSuperseded:
+        case RecordKind::kPoses:
+        case RecordKind::kPoints:
+            return 2;  // solutions as changes to the one before
+        default:
+            return 1;
+    }
 }
 
 /// One word or two for people.

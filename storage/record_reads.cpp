@@ -52,18 +52,22 @@ Result<std::set<CameraId>> read_camera_ids(const ReadView& view) {
     return ids;
 }
 
-Result<std::set<SolutionKey>> read_superseded(const ReadView& view) {
-    std::set<SolutionKey> keys;
-    const auto visited = view.for_each(Family::kMeta, std::string_view(&kSupersededTag, 1),
-                                       [&](std::string_view key, std::string_view) -> Result<void> {
-                                           const auto solution = decode_superseded_key(key);
-                                           if (!solution)
-                                               return strange_key(view, Family::kMeta, key);
-                                           keys.insert(*solution);
-                                           return {};
-                                       });
+Result<SupersededSolutions> read_superseded(const ReadView& view) {
+    SupersededSolutions solutions;
+    const auto visited = view.for_each(
+        Family::kMeta, std::string_view(&kSupersededTag, 1),
+        [&](std::string_view key, std::string_view value) -> Result<void> {
+            const auto solution = decode_superseded_key(key);
+            if (!solution) return strange_key(view, Family::kMeta, key);
+            const auto whole = open_and_decode(
+                view, Family::kMeta, RecordKind::kSuperseded, key, value,
+                [&](std::string_view payload) { return decode_superseded(*solution, payload); });
+            if (!whole) return whole.error();
+            solutions.emplace(*solution, *whole);
+            return {};
+        });
     if (!visited) return visited.error();
-    return keys;
+    return solutions;
 }
 
 Result<std::optional<SceneRecord>> read_latest_scene(const ReadView& view) {
@@ -84,16 +88,6 @@ Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
         [&](std::string_view payload) { return decode_scene(*scene_key, payload); });
     if (!record) return record.error();
     return std::optional<SceneRecord>(std::move(*record));
-}
-
-Result<std::optional<Reconstruction>> read_poses(const ReadView& view, const SolutionKey& key) {
-    return fetch<Reconstruction>(view, Family::kSolutions, RecordKind::kPoses, encode_key(key),
-                                 decode_poses);
-}
-
-Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const SolutionKey& key) {
-    return fetch<SolutionPoints>(view, Family::kPoints, RecordKind::kPoints, encode_key(key),
-                                 decode_points);
 }
 
 }  // namespace psfm

@@ -10,7 +10,6 @@
 #include "storage/cluster_records.h"
 #include "storage/read_view.h"
 #include "storage/scene_records.h"
-#include "storage/solution_records.h"
 
 // Internal: single records out of a view.
 
@@ -23,14 +22,11 @@ Result<std::uint32_t> count_images(const ReadView& view, Family family);
 Result<std::map<ClusterId, ClusterRecord>> read_clusters(const ReadView& view);
 
 Result<std::set<CameraId>> read_camera_ids(const ReadView& view);
-Result<std::set<SolutionKey>> read_superseded(const ReadView& view);
+Result<SupersededSolutions> read_superseded(const ReadView& view);
 Result<std::optional<SceneRecord>> read_latest_scene(const ReadView& view);
 
 /// The last version with at most `image_count` images.
 Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
                                                     std::uint32_t image_count);
-
-Result<std::optional<Reconstruction>> read_poses(const ReadView& view, const SolutionKey& key);
-Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const SolutionKey& key);
 
 }  // namespace psfm

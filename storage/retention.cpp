@@ -3,6 +3,10 @@
 #include "storage/retention.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
+#include <ranges>
+#include <set>
 
 namespace psfm {
 namespace {
@@ -49,7 +53,7 @@ std::vector<bool> points_kept_by(const StoredSceneVersion& next, const SceneReco
     return kept;
 }
 
-std::vector<SolutionKey> droppable_solutions(const std::set<SolutionKey>& superseded,
+std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& superseded,
                                              const StoredSceneVersion& next,
                                              const std::map<ClusterId, ClusterRecord>& clusters) {
     std::set<ImageId> unsolved;
@@ -72,11 +76,45 @@ std::vector<SolutionKey> droppable_solutions(const std::set<SolutionKey>& supers
             recycled.insert(cluster.recycled.begin(), cluster.recycled.end());
     }
     std::vector<SolutionKey> droppable;
-    for (const SolutionKey& key : superseded) {
-        if (!refers_to(next, key) && !awaited(key) && !recycled.contains(key))
+    // From the latest solution of each cluster backwards: the oldest one that is read from.
+    std::optional<ClusterId> cluster;
+    std::uint32_t read_from = 0;
+    for (const auto& [key, whole] : superseded | std::views::reverse) {
+        if (cluster != key.cluster) {
+            cluster = key.cluster;
+            const auto found = clusters.find(key.cluster);
+            const bool is_there = found != clusters.end() && !found->second.removed;
+            read_from = is_there ? whole_revision(found->second)
+                                 : std::numeric_limits<std::uint32_t>::max();
+        }
+        if (refers_to(next, key) || awaited(key) || recycled.contains(key))
+            read_from = std::min(read_from, whole);
+        else if (key.revision < read_from)
             droppable.push_back(key);
     }
     return droppable;
+}
+
+std::vector<SolutionKey> referred_solutions(const SupersededSolutions& superseded,
+                                            const StoredSceneVersion& scene,
+                                            const std::map<ClusterId, ClusterRecord>& clusters) {
+    std::vector<SolutionKey> referred;
+    for (const StoredPlacement& placement : scene.placements) {
+        const SolutionKey last{placement.cluster, placement.revision};
+        const auto mark = superseded.find(last);
+        const auto cluster = clusters.find(placement.cluster);
+        std::uint32_t first = placement.revision;
+        if (mark != superseded.end()) {
+            first = mark->second;
+        } else if (cluster != clusters.end() &&
+                   cluster->second.cluster.revision == placement.revision) {
+            first = whole_revision(cluster->second);
+        }
+        for (auto it = superseded.lower_bound({placement.cluster, first});
+             it != superseded.end() && it->first <= last; ++it)
+            referred.push_back(it->first);
+    }
+    return referred;
 }
 
 }  // namespace psfm

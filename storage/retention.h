@@ -3,7 +3,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <vector>
 
 #include "storage/cluster_records.h"
@@ -21,11 +20,16 @@ std::vector<bool> points_kept_by(const StoredSceneVersion& next, const SceneReco
 bool keeps_points(const SceneRecord* latest, const SolutionKey& key);
 
 /// Superseded solutions that nobody needs once `next` is the latest scene version: it does not
-/// refer to them, and they are not the last solution of a removed cluster whose images are in a
-/// cluster that is yet to be solved (FORMAT.md section 6).
-std::vector<SolutionKey> droppable_solutions(const std::set<SolutionKey>& superseded,
+/// refer to them, they are not the last solution of a removed cluster whose images are in a
+/// cluster that is yet to be solved, and none that stays is read from them (FORMAT.md section 6).
+std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& superseded,
                                              const StoredSceneVersion& next,
                                              const std::map<ClusterId, ClusterRecord>& clusters);
+
+/// Superseded solutions that those which `scene` refers to are, or are read from.
+std::vector<SolutionKey> referred_solutions(const SupersededSolutions& superseded,
+                                            const StoredSceneVersion& scene,
+                                            const std::map<ClusterId, ClusterRecord>& clusters);
 
 bool refers_to(const StoredSceneVersion& scene, const SolutionKey& key);
 

@@ -5,6 +5,7 @@
 
 #include "storage/record_reads.h"
 #include "storage/session_reads.h"
+#include "storage/solution_chain.h"
 
 namespace psfm {
 namespace {

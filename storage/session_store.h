@@ -87,6 +87,9 @@ struct StoredSolution {
     std::shared_ptr<const Reconstruction> model;
     std::string state_json;  ///< what the next solve recycles beside the model (sizes at the last
                              ///< full adjustment, …)
+    /// Of the model from the one before. Where that is what the store has of the cluster, only what
+    /// has changed is written; never given back.
+    std::optional<Succession> succession = {};
 };
 
 /// Where one cluster stands in a scene version; its poses are those of solution (cluster,
@@ -194,7 +197,8 @@ class SessionStore : public SessionReader {
                                       const std::vector<StoredCluster>& changed,
                                       const std::vector<ClusterId>& removed) = 0;
     /// Commit point 4: a solution, its cluster's record (solved_topology, revision), and what the
-    /// solution changed in the clustering: other clusters, or removed ones, its own perhaps.
+    /// solution changed in the clustering: other clusters, or removed ones, its own perhaps. Cost:
+    /// of what has changed, where the solution's succession tells.
     virtual Result<void> commit_solution(const StoredSolution& solution,
                                          const StoredCluster& cluster, const StoredEdit& edit) = 0;
     /// The same of a solution that is not kept, since its cluster has changed meanwhile.

@@ -91,14 +91,18 @@ Result<SessionWriter::ClusterRecords> SessionWriter::edited_clusters(
         if (!cluster.members.empty() && cluster.members.back() > image) {
             return refused(name(cluster.id) + " holds an image whose pairs are not committed");
         }
-        edited.insert_or_assign(cluster.id, ClusterRecord{cluster, false});
+        const bool as_solved =
+            known != state_.clusters.end() && known->second.cluster.revision == cluster.revision;
+        edited.insert_or_assign(cluster.id,
+                                ClusterRecord{cluster, false, as_solved ? known->second.whole : 0});
     }
     for (const ClusterId id : removed) {
         const auto known = state_.clusters.find(id);
         if (known == state_.clusters.end() || known->second.removed) {
             return refused(name(id) + " cannot be removed: it does not exist");
         }
-        if (!edited.emplace(id, ClusterRecord{known->second.cluster, true}).second) {
+        const ClusterRecord& record = known->second;
+        if (!edited.emplace(id, ClusterRecord{record.cluster, true, record.whole}).second) {
             return refused(name(id) + " is both changed and removed");
         }
     }
@@ -111,14 +115,15 @@ Result<SessionWriter::ClusterRecords> SessionWriter::edited_clusters(const Store
 }
 
 void SessionWriter::put_clusters(Batch& batch, const ClusterRecords& edited,
-                                 std::vector<SolutionKey>& marked) const {
+                                 SupersededSolutions& marked) const {
     for (const auto& [id, record] : edited) {
         batch.put(Family::kClusters, RecordKind::kCluster, encode_key(id), encode_cluster(record));
-        if (record.removed) supersede(batch, {id, record.cluster.revision}, marked);
+        if (record.removed)
+            supersede(batch, {id, record.cluster.revision}, whole_revision(record), marked);
     }
 }
 
-void SessionWriter::take_over(ClusterRecords edited, const std::vector<SolutionKey>& marked) {
+void SessionWriter::take_over(ClusterRecords edited, const SupersededSolutions& marked) {
     for (auto& [id, record] : edited) state_.clusters.insert_or_assign(id, std::move(record));
     state_.superseded.insert(marked.begin(), marked.end());
 }
@@ -134,7 +139,7 @@ Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<Verifi
     if (!edited) return edited.error();
     Batch batch(database());
     batch.put(Family::kPairs, RecordKind::kPairs, encode_key(image), encode_pairs(image, pairs));
-    std::vector<SolutionKey> marked;
+    SupersededSolutions marked;
     put_clusters(batch, *edited, marked);
     if (auto written = write(batch); !written) return written;
     ++state_.verified_count;
@@ -146,57 +151,8 @@ Result<void> SessionWriter::commit_clusters(const StoredEdit& edit) {
     auto edited = edited_clusters(edit);
     if (!edited) return edited.error();
     Batch batch(database());
-    std::vector<SolutionKey> marked;
+    SupersededSolutions marked;
     put_clusters(batch, *edited, marked);
-    if (auto written = write(batch); !written) return written;
-    take_over(*std::move(edited), marked);
-    return {};
-}
-
-void SessionWriter::supersede(Batch& batch, const SolutionKey& key,
-                              std::vector<SolutionKey>& marked) const {
-    const SceneRecord* latest = state_.scene ? &*state_.scene : nullptr;
-    const bool keep =
-        history_ == History::kFull || (history_ == History::kPoses && keeps_points(latest, key));
-    if (key.revision == 0 || keep) return;
-    batch.put(Family::kMeta, RecordKind::kSuperseded, superseded_key(key), std::string());
-    marked.push_back(key);
-}
-
-Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
-                                            const StoredCluster& cluster, const StoredEdit& edit) {
-    const SolutionKey key{solution.cluster, solution.revision};
-    if (solution.cluster != cluster.id || solution.revision != cluster.revision) {
-        return refused("solution and record of " + name(cluster.id) + " do not belong together");
-    }
-    const auto known = state_.clusters.find(cluster.id);
-    const std::uint32_t before =
-        known == state_.clusters.end() ? 0 : known->second.cluster.revision;
-    if (solution.revision <= before) {
-        return refused("revision " + std::to_string(solution.revision) + " of " + name(cluster.id) +
-                       " is not above " + std::to_string(before));
-    }
-    auto edited = edited_clusters(edit);
-    if (!edited) return edited.error();
-    // A removed cluster stays removed: its late solution is material for others (FORMAT.md section
-    // 5). It may also be this very solution that removes it.
-    const bool was_removed = known != state_.clusters.end() && known->second.removed;
-    const bool removed = was_removed || edited->contains(cluster.id);
-    ClusterRecord record{cluster, removed};
-    if (was_removed) {
-        record.cluster = known->second.cluster;
-        record.cluster.revision = solution.revision;
-    }
-    edited->insert_or_assign(cluster.id, std::move(record));
-    const Reconstruction empty;
-    const Reconstruction& model = solution.model ? *solution.model : empty;
-    Batch batch(database());
-    batch.put(Family::kSolutions, RecordKind::kPoses, encode_key(key), encode_poses(model));
-    batch.put(Family::kPoints, RecordKind::kPoints, encode_key(key),
-              encode_points(model, solution.state_json));
-    std::vector<SolutionKey> marked;
-    put_clusters(batch, *edited, marked);
-    supersede(batch, {cluster.id, before}, marked);
     if (auto written = write(batch); !written) return written;
     take_over(*std::move(edited), marked);
     return {};
@@ -248,9 +204,7 @@ Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
     // Solutions that are no longer candidates: dropped now, or kept for good by this version.
     std::vector<SolutionKey> settled;
     if (history_ == History::kFull) {
-        for (const SolutionKey& key : state_.superseded) {
-            if (refers_to(version, key)) settled.push_back(key);
-        }
+        settled = referred_solutions(state_.superseded, version, state_.clusters);
     } else {
         settled = droppable_solutions(state_.superseded, version, state_.clusters);
         for (const SolutionKey& key : settled) drop_solution(batch, key);
@@ -265,46 +219,6 @@ Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
     take_over(*std::move(edited), {});
     for (const SolutionKey& key : settled) state_.superseded.erase(key);
     return {};
-}
-
-void SessionWriter::drop_solution(Batch& batch, const SolutionKey& key) const {
-    batch.remove(Family::kPoints, encode_key(key));
-    if (history_ == History::kNone) batch.remove(Family::kSolutions, encode_key(key));
-}
-
-Result<void> SessionWriter::drop_history() {
-    if (!state_.scene) return {};
-    const SceneKey latest{state_.scene->scene.image_count, state_.scene->scene.version};
-    Batch batch(database());
-    bool found = false;
-    {
-        const ReadView view(database());
-        const auto scenes =
-            view.for_each(Family::kScenes, {}, [&](std::string_view key, std::string_view) {
-                if (key == encode_key(latest)) return Result<void>();
-                batch.remove(Family::kScenes, std::string(key));
-                found = true;
-                return Result<void>();
-            });
-        if (!scenes) return scenes;
-        if (!found) return {};
-        const auto solutions =
-            view.for_each(Family::kSolutions, {}, [&](std::string_view key, std::string_view) {
-                const auto solution = decode_solution_key(key);
-                if (!solution || refers_to(state_.scene->scene, *solution)) return Result<void>();
-                const auto cluster = state_.clusters.find(solution->cluster);
-                if (cluster != state_.clusters.end() &&
-                    cluster->second.cluster.revision == solution->revision) {
-                    return Result<void>();
-                }
-                drop_solution(batch, *solution);
-                batch.remove(Family::kMeta, superseded_key(*solution));
-                state_.superseded.erase(*solution);
-                return Result<void>();
-            });
-        if (!solutions) return solutions;
-    }
-    return write(batch);
 }
 
 }  // namespace psfm

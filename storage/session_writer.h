@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -21,7 +22,7 @@ struct WriterState {
     std::uint32_t verified_count = 0;
     std::set<CameraId> cameras;
     std::map<ClusterId, ClusterRecord> clusters;  ///< tombstones too
-    std::set<SolutionKey> superseded;
+    SupersededSolutions superseded;
     std::optional<SceneRecord> scene;
 
     static Result<WriterState> read(const Database& database);
@@ -32,6 +33,9 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     SessionWriter(std::unique_ptr<Database> database, WriterState state,
                   const StoreOptions& options);
 
+    /// The next solution of the cluster may be stored as changes to the model that is given back,
+    /// if nobody holds one from before.
+    Result<std::optional<StoredSolution>> solution(ClusterId cluster) const override;
     Result<void> compact() override { return database().compact(); }
     Result<void> put_settings(const SessionSettings& settings) override;
     Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
@@ -61,14 +65,26 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     /// The same where all images with committed pairs may be in clusters.
     Result<ClusterRecords> edited_clusters(const StoredEdit& edit) const;
     void put_clusters(Batch& batch, const ClusterRecords& edited,
-                      std::vector<SolutionKey>& marked) const;
-    void take_over(ClusterRecords edited, const std::vector<SolutionKey>& marked);
-    void supersede(Batch& batch, const SolutionKey& key, std::vector<SolutionKey>& marked) const;
+                      SupersededSolutions& marked) const;
+    void take_over(ClusterRecords edited, const SupersededSolutions& marked);
+    void supersede(Batch& batch, const SolutionKey& key, std::uint32_t whole,
+                   SupersededSolutions& marked) const;
     void drop_solution(Batch& batch, const SolutionKey& key) const;
+    /// What the latest version and the clusters refer to, and what that is read from, each with
+    /// the whole one. REQUIRES: there is a version
+    Result<SupersededSolutions> needed_solutions(const ReadView& view) const;
+    /// Marks those that History::kFull left unmarked, so that they go when nothing needs them.
+    void mark_needed(Batch& batch, const SupersededSolutions& needed);
+    /// Of the solution that a new one may be stored as changes to; 0: it is stored whole.
+    std::uint32_t revision_to_change(const StoredSolution& solution) const;
+    void put_solution(Batch& batch, const StoredSolution& solution, std::uint32_t since) const;
 
     WriterState state_;
     History history_;
     std::optional<Error> failed_;  ///< the first write that failed; no commit after it
+    mutable std::mutex latest_mutex_;
+    /// The latest solutions as others hold them, as long as somebody does.
+    mutable std::map<ClusterId, std::weak_ptr<const Reconstruction>> latest_models_;
 };
 
 }  // namespace psfm

@@ -110,6 +110,8 @@ struct ClusterSolution {
     std::uint32_t topology = 0;
     std::shared_ptr<const Reconstruction>
         model;  ///< never null; empty when nothing could be solved
+    /// From the problem's first recycled model, when most of that stayed as it was.
+    std::optional<Succession> succession;
     SolveState state;
     std::vector<std::pair<ImageId, WaitReason>>
         waiting;  ///< members that are not in the model, ascending

@@ -78,6 +78,7 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
     const Reconstruction& before = *problem.recycled.front();
     const Reconstruction after = model.save();
     attempt.model = put_back(before, *surroundings, after);
+    attempt.succession = Succession{problem.recycled.front(), surroundings->is_inside};
     attempt.contradiction = find_contradiction(model, *graph, options.max_contradiction_deg);
     if (reason_to_reset(attempt, problem, options)) return with_all;
     attempt.state.has_strangers =

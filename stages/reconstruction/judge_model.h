@@ -17,6 +17,7 @@ namespace psfm {
 /// One finished model of a cluster.
 struct SolveAttempt {
     Reconstruction model;
+    std::optional<Succession> succession;  ///< of the model, where there is one
     SolveState state;
     SolveStatistics statistics;
     Contradiction contradiction;

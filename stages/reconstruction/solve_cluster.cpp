@@ -261,6 +261,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     }
     solution.places = *std::move(attempt.places);
     solution.model = std::make_shared<const Reconstruction>(std::move(attempt.model));
+    solution.succession = std::move(attempt.succession);
     solution.state = attempt.state;
     solution.statistics = attempt.statistics;
     return solution;

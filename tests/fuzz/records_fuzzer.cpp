@@ -27,11 +27,27 @@ void there_and_back(std::string_view payload, const Decode& decode, const Encode
 
 /// Points are encoded with the poses of their images, which are another record.
 void read_points(std::string_view payload) {
-    const auto points = psfm::decode_points(payload);
-    if (points.ok()) {
-        (void)psfm::points_belong_to(points->points, {});
-        (void)psfm::each_feature_in_one_point(points->points);
-    }
+    auto points = psfm::decode_points(payload);
+    if (!points.ok()) return;
+    (void)psfm::points_belong_to(points->points, {});
+    (void)psfm::each_feature_in_one_point(points->points);
+    constexpr std::size_t kBefore = 20;
+    std::vector<psfm::ScenePoint> together(kBefore);
+    const std::size_t own = points->points.size();
+    if (psfm::apply(*std::move(points), together).ok())
+        require(together.size() >= own && together.size() <= own + kBefore,
+                "points that were there are kept once at most");
+}
+
+/// Changes are put together with an empty model, and what comes of it can be written.
+void read_poses(std::string_view payload) {
+    auto poses = psfm::decode_poses(payload);
+    if (!poses.ok()) return;
+    const bool whole = poses->since == 0;
+    psfm::Reconstruction model;
+    const bool applied = psfm::apply(*std::move(poses), model).ok();
+    require(applied || !whole, "a whole model is one");
+    if (applied) require(psfm::encode_poses(model).ok(), kSameAgain);
 }
 
 }  // namespace
@@ -53,6 +69,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             there_and_back(
                 payload, [](std::string_view bytes) { return decode_rejected("name", bytes); },
                 encode_rejected);
+            break;
+        case RecordKind::kSuperseded:
+            there_and_back(
+                payload,
+                [](std::string_view bytes) {
+                    return decode_superseded({ClusterId{7}, 9}, bytes);
+                },
+                [](std::uint32_t whole) {
+                    return Result<std::string>(encode_superseded({ClusterId{7}, 9}, whole));
+                });
             break;
         case RecordKind::kImage:
             there_and_back(
@@ -76,7 +102,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                 encode_cluster);
             break;
         case RecordKind::kPoses:
-            there_and_back(payload, decode_poses, encode_poses);
+            read_poses(payload);
             break;
         case RecordKind::kPoints:
             read_points(payload);

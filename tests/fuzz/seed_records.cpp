@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
 #include <stdexcept>
 
 #include "scheduler/encode_state.h"
@@ -25,7 +26,8 @@ void write_record(const SeedFolder& seeds, RecordKind kind, std::string_view key
                   const Result<std::string>& payload) {
     if (!payload.ok()) throw std::runtime_error(payload.error().message);
     const char kind_byte = static_cast<char>(kind);
-    const std::string name = describe(kind);
+    const std::string name =
+        std::string(describe(kind)) + " " + std::to_string(static_cast<int>(key.back()));
     seeds.write("records", name, std::string(1, kind_byte) + *payload);
     const std::string header{kind_byte, static_cast<char>(key.size())};
     seeds.write("record_key", name,
@@ -64,6 +66,16 @@ void write_payloads(const SeedFolder& seeds) {
     const std::string solution_key = encode_key(SolutionKey{ClusterId{7}, 3});
     write_record(seeds, RecordKind::kPoses, solution_key, encode_poses(model));
     write_record(seeds, RecordKind::kPoints, solution_key, encode_points(model, "{}"));
+    const Reconstruction smaller = restricted_to(model, testing::first_images(3));
+    const Succession succession{std::make_shared<const Reconstruction>(smaller),
+                                std::vector<std::uint8_t>(smaller.points.size(), 1)};
+    write_record(seeds, RecordKind::kPoses, encode_key(SolutionKey{ClusterId{7}, 4}),
+                 encode_changed_poses(model, smaller, 3));
+    write_record(seeds, RecordKind::kPoints, encode_key(SolutionKey{ClusterId{7}, 4}),
+                 encode_changed_points(model, "{}", succession, 3));
+    const SolutionKey superseded{ClusterId{7}, 9};
+    write_record(seeds, RecordKind::kSuperseded, superseded_key(superseded),
+                 encode_superseded(superseded, 5));
     SceneRecord scene;
     scene.scene.version = 3;
     scene.scene.image_count = 100;

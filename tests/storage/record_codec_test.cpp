@@ -178,13 +178,13 @@ TEST(RecordCodec, SolutionsComeBackAlike) {
             testing::random_model(testing::random_members(count, rng), 5 * count, rng);
         const auto poses = decode_poses(*encode_poses(model));
         ASSERT_TRUE(poses.ok());
-        EXPECT_TRUE(testing::same_poses(*poses, model));
-        EXPECT_TRUE(poses->points.empty());
+        EXPECT_TRUE(testing::same_poses(poses->model, model));
+        EXPECT_TRUE(poses->model.points.empty());
         const std::string state = testing::random_text(rng);
         auto points = decode_points(*encode_points(model, state));
         ASSERT_TRUE(points.ok());
         EXPECT_EQ(points->state_json, state);
-        Reconstruction with_points = *poses;
+        Reconstruction with_points = poses->model;
         with_points.points = std::move(points->points);
         EXPECT_TRUE(testing::same_points(with_points, model));
     }

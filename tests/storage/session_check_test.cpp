@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rocksdb/db.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "storage/record_key.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/random_values.h"
+#include "tests/storage/raw_database.h"
 #include "tests/storage/test_session.h"
 
 namespace psfm {
@@ -21,49 +21,8 @@ using testing::ChildProcess;
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
+using testing::RawDatabase;
 using testing::TemporaryFolder;
-
-/// The database itself, to put in what the store would never write.
-class RawDatabase {
-  public:
-    explicit RawDatabase(const fs::path& session) {
-        const std::string path = (session / "db").string();
-        std::vector<std::string> names;
-        EXPECT_TRUE(rocksdb::DB::ListColumnFamilies({}, path, &names).ok());
-        std::vector<rocksdb::ColumnFamilyDescriptor> families;
-        for (const std::string& name : names)
-            families.emplace_back(name, rocksdb::ColumnFamilyOptions());
-        EXPECT_TRUE(rocksdb::DB::Open({}, path, families, &handles_, &db_).ok());
-    }
-    ~RawDatabase() {
-        for (auto* handle : handles_) db_->DestroyColumnFamilyHandle(handle);
-        delete db_;
-    }
-    RawDatabase(const RawDatabase&) = delete;
-    RawDatabase& operator=(const RawDatabase&) = delete;
-
-    std::string get(Family family, const std::string& key) {
-        std::string value;
-        EXPECT_TRUE(db_->Get({}, handle(family), key, &value).ok());
-        return value;
-    }
-    void put(Family family, const std::string& key, const std::string& value) {
-        EXPECT_TRUE(db_->Put({}, handle(family), key, value).ok());
-    }
-    void remove(Family family, const std::string& key) {
-        EXPECT_TRUE(db_->Delete({}, handle(family), key).ok());
-    }
-
-  private:
-    rocksdb::ColumnFamilyHandle* handle(Family family) {
-        for (auto* handle : handles_) {
-            if (handle->GetName() == name_of(family)) return handle;
-        }
-        return nullptr;
-    }
-    rocksdb::DB* db_ = nullptr;
-    std::vector<rocksdb::ColumnFamilyHandle*> handles_;
-};
 
 void make_session(const TemporaryFolder& folder, std::uint32_t images) {
     const auto store = SessionStore::open(folder.session(), {});

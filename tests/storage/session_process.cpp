@@ -6,12 +6,14 @@
 //   number
 //                                       when all its commits have returned
 //   session_process leave FOLDER COUNT  the same, then dies without closing the store
+//   session_process grow FOLDER COUNT   a new session of COUNT images, solutions stored as changes
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "tests/storage/growing_session.h"
 #include "tests/storage/test_session.h"
 
 namespace {
@@ -24,7 +26,7 @@ int fail(const std::string& message) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 3) return fail("usage: session_process hold|write|leave FOLDER [COUNT]");
+    if (argc < 3) return fail("usage: session_process hold|write|leave|grow FOLDER [COUNT]");
     const std::string command = argv[1];
     auto store = psfm::SessionStore::open(argv[2], {});
     if (!store) return fail(store.error().message);
@@ -38,6 +40,13 @@ int main(int argc, char** argv) {
     const auto images = (*store)->images();
     if (!images || argc < 4) return fail("cannot read images, or no COUNT");
     const auto count = static_cast<std::uint32_t>(std::stoul(argv[3]));
+    if (command == "grow") {
+        psfm::testing::GrowingSession session(psfm::testing::kGrownSeed);
+        for (std::uint32_t image = 0; image < count; ++image) {
+            if (!session.add_all(**store)) return fail("commit failed");
+        }
+        return EXIT_SUCCESS;
+    }
     for (auto image = static_cast<std::uint32_t>(images->size()); image < count; ++image) {
         if (!psfm::testing::commit_all(**store, image)) return fail("commit failed");
         std::printf("%u\n", image);

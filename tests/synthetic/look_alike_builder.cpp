@@ -149,6 +149,21 @@ std::vector<std::size_t> interleaved_order(const std::vector<std::uint32_t>& ima
     return order;
 }
 
+std::vector<std::size_t> order_by_stripe(const SyntheticScene& scene,
+                                         const std::vector<std::size_t>& order,
+                                         std::size_t images_of_stripe) {
+    std::vector<std::pair<double, std::size_t>> along;
+    for (std::size_t i = 0; i < scene.images.size(); ++i)
+        along.emplace_back(scene.images[i].cam_from_world.target_origin_in_source().x(), i);
+    std::ranges::sort(along);
+    std::vector<std::size_t> stripe(along.size());
+    for (std::size_t rank = 0; rank < along.size(); ++rank)
+        stripe[along[rank].second] = rank / images_of_stripe;
+    std::vector<std::size_t> by_stripe = order;
+    std::ranges::stable_sort(by_stripe, {}, [&](std::size_t image) { return stripe[image]; });
+    return by_stripe;
+}
+
 std::string image_name(const std::string& prefix, std::uint32_t index, std::uint32_t count) {
     const std::size_t digits =
         std::max<std::size_t>(4, std::to_string(std::max(count, 1U) - 1).size());

@@ -42,6 +42,12 @@ class LookAlikeBuilder {
 /// The order in which the images of several users come in: users begin at random times within the
 /// duration of the longest walk, and take an image about every second.
 /// @param images_of_user  their images follow one another, user by user
+/// The same images by stripes of the ground, along x, of so many images each (the last one's may
+/// be fewer); those of a stripe as in `order`.
+std::vector<std::size_t> order_by_stripe(const SyntheticScene& scene,
+                                         const std::vector<std::size_t>& order,
+                                         std::size_t images_of_stripe);
+
 std::vector<std::size_t> interleaved_order(const std::vector<std::uint32_t>& images_of_user,
                                            std::uint64_t seed);
 

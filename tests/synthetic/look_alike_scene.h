@@ -39,6 +39,9 @@ struct LookAlikeScene {
     std::vector<std::string> names;
     /// An order of arrival that makes trouble (see the options of each scene).
     std::vector<std::size_t> order;
+    /// Another one, district by district, the images of each in the order above: what an image
+    /// overlaps does not become more with time. Empty but of streets.
+    std::vector<std::size_t> order_by_district;
 };
 
 /// One ring of cameras around a round building of `symmetry` equal sides. Defaults: what SIFT's

@@ -14,9 +14,10 @@
 namespace psfm::synthetic {
 namespace {
 
-Result<void> write_order(const LookAlikeScene& scene, const std::filesystem::path& file) {
+Result<void> write_order(const LookAlikeScene& scene, const std::vector<std::size_t>& order,
+                         const std::filesystem::path& file) {
     std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-    for (const std::size_t image : scene.order) stream << scene.names[image] << '\n';
+    for (const std::size_t image : order) stream << scene.names[image] << '\n';
     stream.close();
     if (stream) return {};
     return Error{ErrorCode::kIo,
@@ -109,7 +110,11 @@ Result<SimulationSummary> write_simulation(const LookAlikeScene& scene,
     if (auto done = write_colmap_truth(scene.scene, scene.names, reference); !done) {
         return done.error();
     }
-    if (auto done = write_order(scene, folder / "order.txt"); !done) return done.error();
+    if (auto done = write_order(scene, scene.order, folder / "order.txt"); !done)
+        return done.error();
+    if (scene.order_by_district.empty()) return summary;
+    if (auto done = write_order(scene, scene.order_by_district, folder / "districts.txt"); !done)
+        return done.error();
     return summary;
 }
 

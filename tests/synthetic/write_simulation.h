@@ -32,7 +32,8 @@ struct SimulationSummary {
 /// Writes a scene as another program's matches and what came of them: FOLDER/database.db (COLMAP's
 /// format: features without descriptors, cameras as if from EXIF, verified pairs),
 /// FOLDER/reference/{cameras,images,points3D}.txt (true cameras and poses) and FOLDER/order.txt
-/// (the scene's order of arrival, one name a line). Existing files of these names are replaced.
+/// (the scene's order of arrival, one name a line); of streets, FOLDER/districts.txt (the order by
+/// district). Existing files of these names are replaced.
 /// Pairs are made image by image, so that they are never all in memory.
 /// @errors kInvalidArgument (options), kIo and those of ColmapDatabaseWriter, which name the file
 Result<SimulationSummary> write_simulation(const LookAlikeScene& scene,

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -90,6 +91,41 @@ TEST_F(WriteSimulation, TellsTruthAndOrder) {
     EXPECT_EQ(order[0], "temple_0000.jpg");
     EXPECT_EQ(order[1], "temple_0003.jpg");
     EXPECT_EQ(order[2], "temple_0001.jpg");
+}
+
+TEST_F(WriteSimulation, TellsTheOrderByDistrict) {
+    const LookAlikeScene scene = make_streets({.images = 210}, 1);
+    ASSERT_TRUE(write_simulation(scene, {}, folder_).ok());
+    const std::vector<std::string> order = lines_of("order.txt");
+    const std::vector<std::string> districts = lines_of("districts.txt");
+    ASSERT_EQ(districts.size(), 210U);
+    const auto place_in_order = [&](const std::string& name) {
+        return std::ranges::find(order, name) - order.begin();
+    };
+    const auto x_of = [&](const std::string& name) {
+        const auto image = std::ranges::lower_bound(scene.names, name) - scene.names.begin();
+        return scene.scene.images[image].cam_from_world.target_origin_in_source().x();
+    };
+    constexpr std::size_t kDistrict = 10;
+    double west = -1e9;
+    for (std::size_t from = 0; from < districts.size(); from += kDistrict) {
+        double east = west;
+        for (std::size_t i = from; i < from + kDistrict; ++i) {
+            EXPECT_GE(x_of(districts[i]), west) << "of an earlier district";
+            east = std::max(east, x_of(districts[i]));
+            const bool is_first = i == from;
+            EXPECT_TRUE(is_first ||
+                        place_in_order(districts[i - 1]) < place_in_order(districts[i]));
+        }
+        west = east;
+    }
+    std::vector<std::string> all = districts;
+    std::ranges::sort(all);
+    EXPECT_EQ(all, scene.names);
+
+    std::filesystem::remove_all(folder_);
+    ASSERT_TRUE(write_simulation(make_temple({.images = 12}, 1), {}, folder_).ok());
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "districts.txt"));
 }
 
 TEST_F(WriteSimulation, GivesEqualFilesForEqualSeeds) {

@@ -12,9 +12,12 @@ from watched import watch
 
 ABOUT = """\
 `psfm simulate --scene streets` makes features and verified pairs of a town that grows with the number of images, and
-`psfm import` takes them through the pipeline in an order of several users at once; no photograph is looked at.
+`psfm import` takes them through the pipeline, in two orders; no photograph is looked at. *Several users at once*
+(order.txt) walk all over the town, again and again: the last images overlap some twice as many earlier ones as the
+first do. *District by district* (districts.txt) the session grows, and what an image overlaps does not.
 """
 IMAGES = 10000
+ORDERS = {"order": "several users at once", "districts": "district by district"}
 
 
 def measure(settings):
@@ -23,16 +26,23 @@ def measure(settings):
     say(f"simulating {images} images …")
     watch([settings.psfm, "simulate", "--output", folder / "scene", "--scene", "streets", "--images", images],
           folder / "simulate.txt")
-    say(f"importing {images} images …")
-    log, session = folder / "log.jsonl", folder / "session"
-    run = watch([settings.psfm, "import", "--colmap-database", folder / "scene/database.db", "--order",
-                 folder / "scene/order.txt", "--session", session, "--log", log, *thread_options(settings)],
-                folder / "psfm.txt", log)
-    status = answer_json([settings.psfm, "status", "--session", session, "--json"])
+    result = {"images": images}
+    for order, name in ORDERS.items():
+        result[order] = measure_order(settings, images, folder, order, name)
     shutil.rmtree(folder)
+    return result
+
+
+def measure_order(settings, images, folder, order, name):
+    say(f"importing {images} images, {name} …")
+    log, session = folder / f"{order}.jsonl", folder / order
+    run = watch([settings.psfm, "import", "--colmap-database", folder / "scene/database.db", "--order",
+                 folder / f"scene/{order}.txt", "--session", session, "--log", log, *thread_options(settings)],
+                folder / f"{order}-output.txt", log)
+    status = answer_json([settings.psfm, "status", "--session", session, "--json"])
     tenth = max(images // 10, 1)
     times = [(count, seconds_at(run.progress(), count)) for count in range(tenth, images + 1, tenth)]
-    return {"images": images, "placed": status["placed"], **run.in_short(), "times": times}
+    return {"placed": status["placed"], **run.in_short(), "times": times}
 
 
 def steps(times):
@@ -53,18 +63,22 @@ def growth(times):
 
 
 def section(result):
-    rows = [[number(count), number(seconds, 1)] for count, seconds in steps(result["times"])]
-    tenth = result["times"][0][0]
-    ratio = growth(result["times"])
-    return (ABOUT + f"\n{number(result['images'])} images, {number(result['placed'])} placed, "
-            f"{number(result['seconds'])} s in all, peak {number(result['peak_mib'])} MiB. Time of the last "
-            f"{number(tenth)} / time of the second {number(tenth)}: **{number(ratio, 2)}**.\n\n"
-            + table(["up to image", f"seconds for {number(tenth)}"], rows)
+    tenth = result["order"]["times"][0][0]
+    lines = [f"- {name}: {number(of['placed'])} of {number(result['images'])} placed, {number(of['seconds'])} s with"
+             f" settling, peak {number(of['peak_mib'])} MiB; time of the last {number(tenth)} / time of the second"
+             f" {number(tenth)}: **{number(growth(of['times']), 2)}**"
+             for order, name in ORDERS.items() for of in [result[order]]]
+    taken = [dict(steps(result[order]["times"])) for order in ORDERS]
+    rows = [[number(count), *(number(of.get(count), 1) for of in taken)] for count, _ in result["order"]["times"]]
+    return (ABOUT + "\n" + "\n".join(lines) + "\n\n"
+            + table(["up to image", *(f"seconds for {number(tenth)}, {name}" for name in ORDERS.values())], rows)
             + "\n![A simulated session](performance/simulated.svg)\n")
 
 
 def plots(result):
-    taken = steps(result["times"])
-    panel = Panel(f"seconds for {result['times'][0][0]} images", [Series("psfm", taken, "#1f5fa8", kind="marks")])
+    colours = ("#1f5fa8", "#b5541c")
+    series = [Series(name, steps(result[order]["times"]), colour, kind="marks")
+              for (order, name), colour in zip(ORDERS.items(), colours)]
+    panel = Panel(f"seconds for {result['order']['times'][0][0]} images", series)
     return {"simulated.svg": draw("A simulated session", f"{result['images']} images.", "images arrived",
                                   result["images"], [panel])}

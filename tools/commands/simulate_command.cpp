@@ -82,7 +82,8 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
     const auto arguments = std::make_shared<SimulateArguments>();
     command
         ->add_option("--output", arguments->output,
-                     "folder for database.db (COLMAP's format), reference/ and order.txt")
+                     "folder for database.db (COLMAP's format), reference/, order.txt and, of "
+                     "streets, districts.txt")
         ->required()
         ->type_name("DIR");
     CLI::Option* scene =
@@ -135,7 +136,9 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
         "of the folded scene; reference/ the true poses and cameras; order.txt an order of arrival "
         "that makes\n"
         "trouble: each image of the temple followed by its look-alike, several users at once "
-        "elsewhere.\n"
+        "elsewhere. districts.txt has the images of streets district by district: there what an "
+        "image overlaps\n"
+        "does not become more while the session grows.\n"
         "Names are in the order in which one person would have taken the images.\n"
         "\n"
         "Examples:\n"

@@ -170,6 +170,33 @@ TEST(ExtendLocally, LeavesTheRestOfTheModelAsItIs) {
     EXPECT_EQ(local->model.cameras.size(), before.cameras.size());
 }
 
+TEST(ExtendLocally, TellsWhatOfTheModelIsAsItWas) {
+    const SyntheticScene scene = noisy_wall(3);
+    const ClusterProblem problem = problem_without(scene, {kNew});
+    const auto solution = solve_cluster(problem, locally_from(20));
+    ASSERT_TRUE(solution.ok());
+    ASSERT_TRUE(solution->succession);
+    EXPECT_EQ(solution->succession->before, problem.recycled.front());
+    const std::vector<ScenePoint>& before = problem.recycled.front()->points;
+    ASSERT_EQ(solution->succession->replaced.size(), before.size());
+    std::size_t kept = 0;
+    for (std::size_t p = 0; p < before.size(); ++p) {
+        if (solution->succession->replaced[p] != 0) continue;
+        const ScenePoint& point = solution->model->points[kept++];
+        EXPECT_EQ(point.position, before[p].position);
+        EXPECT_EQ(point.error_px, before[p].error_px);
+        EXPECT_EQ(point.track, before[p].track);
+    }
+    EXPECT_GT(kept, before.size() / 4);
+    EXPECT_LT(kept, before.size());
+    for (const RegisteredImage& image : problem.recycled.front()->images)
+        EXPECT_NE(solution->model->find(image.image), nullptr);
+
+    const auto of_all = solve_cluster(problem, locally_from(0));
+    ASSERT_TRUE(of_all.ok());
+    EXPECT_FALSE(of_all->succession) << "all of it may have moved";
+}
+
 TEST(ExtendLocally, RefinesNoCameraThatOthersShare) {
     SyntheticScene scene = noisy_wall(4);
     constexpr CameraId kShared{77};
