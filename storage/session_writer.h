@@ -77,14 +77,20 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     void mark_needed(Batch& batch, const SupersededSolutions& needed);
     /// Of the solution that a new one may be stored as changes to; 0: it is stored whole.
     std::uint32_t revision_to_change(const StoredSolution& solution) const;
+    /// The model of this revision, if somebody holds it as it was committed or read.
+    std::shared_ptr<const Reconstruction> held_model(const SolutionKey& key) const;
     void put_solution(Batch& batch, const StoredSolution& solution, std::uint32_t since) const;
 
     WriterState state_;
     History history_;
     std::optional<Error> failed_;  ///< the first write that failed; no commit after it
-    mutable std::mutex latest_mutex_;
-    /// The latest solutions as others hold them, as long as somebody does.
-    mutable std::map<ClusterId, std::weak_ptr<const Reconstruction>> latest_models_;
+    /// A solution as others hold it, as long as somebody does.
+    struct HeldModel {
+        std::uint32_t revision = 0;
+        std::weak_ptr<const Reconstruction> model;
+    };
+    mutable std::mutex held_mutex_;
+    mutable std::map<ClusterId, HeldModel> held_models_;  ///< the latest that was committed or read
 };
 
 }  // namespace psfm

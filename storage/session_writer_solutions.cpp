@@ -53,9 +53,16 @@ Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
     supersede(batch, {cluster.id, before}, whole_before, marked);
     if (auto written = write(batch); !written) return written;
     take_over(*std::move(edited), marked);
-    const std::scoped_lock lock(latest_mutex_);
-    latest_models_[solution.cluster] = solution.model;
+    const std::scoped_lock lock(held_mutex_);
+    held_models_[solution.cluster] = {solution.revision, solution.model};
     return {};
+}
+
+std::shared_ptr<const Reconstruction> SessionWriter::held_model(const SolutionKey& key) const {
+    const std::scoped_lock lock(held_mutex_);
+    const auto held = held_models_.find(key.cluster);
+    const bool is_there = held != held_models_.end() && held->second.revision == key.revision;
+    return is_there ? held->second.model.lock() : nullptr;
 }
 
 std::uint32_t SessionWriter::revision_to_change(const StoredSolution& solution) const {
@@ -67,12 +74,8 @@ std::uint32_t SessionWriter::revision_to_change(const StoredSolution& solution) 
     const std::uint32_t revision = record.cluster.revision;
     if (record.removed || revision == 0 || revision - whole_revision(record) + 2 > kLongestChain)
         return 0;
-    const std::shared_ptr<const Reconstruction>& before = solution.succession->before;
-    {
-        const std::scoped_lock lock(latest_mutex_);
-        const auto latest = latest_models_.find(solution.cluster);
-        if (latest == latest_models_.end() || !before || latest->second.lock() != before) return 0;
-    }
+    const std::shared_ptr<const Reconstruction> before = held_model({solution.cluster, revision});
+    if (!before || solution.succession->before != before) return 0;
     const Reconstruction& model = *solution.model;
     const std::vector<std::uint8_t>& replaced = solution.succession->replaced;
     const auto kept = static_cast<std::size_t>(std::ranges::count(replaced, std::uint8_t{0}));
@@ -109,9 +112,9 @@ void SessionWriter::put_solution(Batch& batch, const StoredSolution& solution,
 Result<std::optional<StoredSolution>> SessionWriter::solution(ClusterId cluster) const {
     auto found = ReaderOf::solution(cluster);
     if (!found || !found->has_value()) return found;
-    const std::scoped_lock lock(latest_mutex_);
-    std::weak_ptr<const Reconstruction>& latest = latest_models_[cluster];
-    if (latest.expired()) latest = (*found)->model;
+    const std::scoped_lock lock(held_mutex_);
+    HeldModel& held = held_models_[cluster];
+    if (held.model.expired()) held = {(*found)->revision, (*found)->model};
     return found;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "tests/storage/test_session.h"
 
@@ -50,8 +51,12 @@ StoredSolution GrowingSession::next(std::shared_ptr<const Reconstruction> before
     model.cameras.begin()->second = random_camera(rng_);
     std::set<std::uint32_t> features;
     for (std::uint32_t feature = 0; feature < kMostPoints; ++feature) features.insert(feature);
+    std::size_t replaced = 0;
     for (std::size_t p = 0; p < before->points.size(); ++p) {
-        succession.replaced[p] = rng_() % 10 == 0 ? 1 : 0;
+        // Few enough for the solution to be stored as changes.
+        const bool leaves = rng_() % 10 == 0 && 8 * replaced < before->points.size();
+        succession.replaced[p] = leaves ? 1 : 0;
+        replaced += succession.replaced[p];
         if (succession.replaced[p] != 0) continue;
         model.points.push_back(before->points[p]);
         features.erase(before->points[p].track.front().feature);
@@ -71,7 +76,8 @@ StoredSolution GrowingSession::next(std::shared_ptr<const Reconstruction> before
 
 bool GrowingSession::commit(SessionStore& store, StoredSolution solution) {
     revision_ = solution.revision;
-    model_ = solution.model;
+    // As a session does, the one before is held until the next one is stored.
+    const std::shared_ptr<const Reconstruction> before = std::exchange(model_, solution.model);
     return store.commit_solution(solution, cluster(true), {}).ok();
 }
 

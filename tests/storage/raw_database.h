@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "storage/database.h"
@@ -25,12 +26,16 @@ class RawDatabase {
             families.emplace_back(name, rocksdb::ColumnFamilyOptions());
         EXPECT_TRUE(rocksdb::DB::Open({}, path, families, &handles_, &db_).ok());
     }
-    ~RawDatabase() {
-        for (auto* handle : handles_) db_->DestroyColumnFamilyHandle(handle);
-        delete db_;
-    }
+    ~RawDatabase() { close(); }
     RawDatabase(const RawDatabase&) = delete;
     RawDatabase& operator=(const RawDatabase&) = delete;
+
+    /// For others to open it; nothing else may be called after it.
+    void close() {
+        for (auto* handle : handles_) db_->DestroyColumnFamilyHandle(handle);
+        handles_.clear();
+        delete std::exchange(db_, nullptr);
+    }
 
     std::string get(Family family, const std::string& key) {
         std::string value;

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "storage/record_envelope.h"
 #include "tests/storage/growing_session.h"
 #include "tests/storage/random_values.h"
 #include "tests/storage/raw_database.h"
@@ -117,13 +118,17 @@ TEST(SolutionChain, IsOfSuccessorsOnly) {
     without.succession.reset();
     EXPECT_FALSE(stored_as_changes(*store, session, without));
 
-    // An image and its observations have left, though no point is said to.
+    // An image has left, with all points that it sees, and nothing is new.
+    ASSERT_TRUE(stored_as_changes(*store, session, session.next()));
     StoredSolution smaller = session.next();
-    Reconstruction left = *smaller.model;
+    Reconstruction left = *smaller.succession->before;
     const ImageId gone = left.images.back().image;
-    left = restricted_to(left, testing::first_images(index_of(gone)));
+    left.images.pop_back();
+    for (std::size_t p = 0; p < left.points.size(); ++p)
+        smaller.succession->replaced[p] = left.points[p].track.back().image == gone ? 1 : 0;
+    std::erase_if(left.points, [&](const ScenePoint& p) { return p.track.back().image == gone; });
+    ASSERT_FALSE(left.points.empty());
     smaller.model = std::make_shared<const Reconstruction>(std::move(left));
-    smaller.succession->replaced.assign(smaller.succession->before->points.size(), 1);
     EXPECT_FALSE(stored_as_changes(*store, session, smaller));
 
     StoredSolution other = session.next();
@@ -245,6 +250,44 @@ TEST(SolutionChain, ThatLacksARecordIsDamaged) {
         EXPECT_NE(solution.error().message.find("is missing; a later one"), std::string::npos)
             << solution.error().message;
         EXPECT_FALSE(store->check({})->damaged.empty());
+    }
+}
+
+TEST(SolutionChain, ThatIsTooLongOrEndlessIsDamaged) {
+    for (const std::uint32_t records : {kLongestChain, kLongestChain + 1, 0U}) {
+        const TemporaryFolder folder;
+        GrowingSession session(9);
+        {
+            const auto store = open(folder);
+            for (int image = 0; image < 4; ++image) ASSERT_TRUE(session.add_all(*store));
+        }
+        const Reconstruction& model = *session.model();
+        const Succession all_kept{session.model(),
+                                  std::vector<std::uint8_t>(model.points.size(), 0)};
+        RawDatabase raw(folder.session());
+        const auto put = [&](std::uint32_t revision, std::uint32_t since) {
+            const std::string key = encode_key(SolutionKey{ClusterId{0}, revision});
+            raw.put(Family::kSolutions, key,
+                    seal_record(RecordKind::kPoses, key,
+                                since == 0 ? *encode_poses(model)
+                                           : *encode_changed_poses(model, model, since)));
+            raw.put(Family::kPoints, key,
+                    seal_record(RecordKind::kPoints, key,
+                                since == 0 ? *encode_points(model, "{}")
+                                           : *encode_changed_points(model, "{}", all_kept, since)));
+        };
+        put(100, records == 0 ? 100 : 0);
+        for (std::uint32_t i = 1; i < records; ++i) put(100 + i, 99 + i);
+        const std::uint32_t last = 100 + (records == 0 ? 0 : records - 1);
+        raw.close();
+        const auto read = open(folder)->recycled_model({ClusterId{0}, last});
+        if (records == kLongestChain) {
+            ASSERT_TRUE(read.ok()) << read.error().message;
+            EXPECT_TRUE(same_model(**read, model));
+        } else {
+            ASSERT_FALSE(read.ok()) << records;
+            EXPECT_EQ(read.error().code, ErrorCode::kDamaged);
+        }
     }
 }
 
