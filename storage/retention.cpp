@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <ranges>
 #include <set>
 
 namespace psfm {
@@ -79,7 +78,8 @@ std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& supersed
     // From the latest solution of each cluster backwards: the oldest one that is read from.
     std::optional<ClusterId> cluster;
     std::uint32_t read_from = 0;
-    for (const auto& [key, whole] : superseded | std::views::reverse) {
+    for (auto mark = superseded.rbegin(); mark != superseded.rend(); ++mark) {
+        const auto& [key, whole] = *mark;
         if (cluster != key.cluster) {
             cluster = key.cluster;
             const auto found = clusters.find(key.cluster);
