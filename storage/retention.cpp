@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace psfm {
 namespace {
@@ -75,11 +76,12 @@ std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& supersed
             recycled.insert(cluster.recycled.begin(), cluster.recycled.end());
     }
     std::vector<SolutionKey> droppable;
+    const std::vector<std::pair<SolutionKey, std::uint32_t>> latest_first(superseded.rbegin(),
+                                                                          superseded.rend());
     // From the latest solution of each cluster backwards: the oldest one that is read from.
     std::optional<ClusterId> cluster;
     std::uint32_t read_from = 0;
-    for (auto mark = superseded.rbegin(); mark != superseded.rend(); ++mark) {
-        const auto& [key, whole] = *mark;
+    for (const auto& [key, whole] : latest_first) {
         if (cluster != key.cluster) {
             cluster = key.cluster;
             const auto found = clusters.find(key.cluster);
