@@ -180,16 +180,7 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
     ASSERT_TRUE(store->solution(ClusterId{0})->has_value());
     EXPECT_FALSE((*store->solution(ClusterId{0}))->model->points.empty());
 
-    testing::Rng rng(3);
-    const auto model =
-        std::make_shared<const Reconstruction>(testing::random_model(images, 10, rng));
-    ASSERT_TRUE(store
-                    ->commit_solution({ClusterId{1}, 1, model, ""},
-                                      {ClusterId{1}, images, 1, 1, 1, 0, {}, {}}, {})
-                    .ok());
-    scene.version = 7;
-    scene.placements[0].revision = 1;
-    ASSERT_TRUE(store->commit_scene(scene, {}).ok());
+    ASSERT_TRUE(testing::solve_successor(*store, images, scene));
     EXPECT_FALSE(store->solution(ClusterId{0})->has_value());
     EXPECT_EQ(count_of(*store, "points"), 1U);
     // Its poses stay: earlier versions show them.

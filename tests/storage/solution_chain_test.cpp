@@ -219,16 +219,7 @@ TEST(SolutionChain, StaysAsMaterialOfAClusterThatIsGone) {
     ASSERT_TRUE(store->commit_scene(scene, {}).ok());
     EXPECT_TRUE(same_model(*(*store->solution(ClusterId{0}))->model, *session.model()));
 
-    testing::Rng rng(3);
-    const auto model =
-        std::make_shared<const Reconstruction>(testing::random_model(images, 10, rng));
-    ASSERT_TRUE(store
-                    ->commit_solution({ClusterId{1}, 1, model, ""},
-                                      {ClusterId{1}, images, 1, 1, 1, 0, {}, {}}, {})
-                    .ok());
-    scene.version = 101;
-    scene.placements[0].revision = 1;
-    ASSERT_TRUE(store->commit_scene(scene, {}).ok());
+    ASSERT_TRUE(testing::solve_successor(*store, images, scene));
     EXPECT_EQ(count_of(*store, "points"), 1U) << "all of the chain goes";
 }
 

@@ -229,4 +229,15 @@ std::string difference(const SessionReader& session) {
     return scene_difference(session);
 }
 
+bool solve_successor(SessionStore& store, const std::vector<ImageId>& images,
+                     StoredSceneVersion scene) {
+    Rng rng(3);
+    const auto model = std::make_shared<const Reconstruction>(random_model(images, 10, rng));
+    const StoredCluster solved{ClusterId{1}, images, 1, 1, 1, 0, {}, {}};
+    scene.version += 1;
+    scene.placements.front().revision = 1;
+    return store.commit_solution({ClusterId{1}, 1, model, ""}, solved, {}) &&
+           store.commit_scene(scene, {});
+}
+
 }  // namespace psfm::testing

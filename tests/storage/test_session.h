@@ -51,4 +51,9 @@ bool finish(SessionStore& store, std::uint32_t images);
 /// else what is wrong. The image after the last one may be there in part.
 std::string difference(const SessionReader& session);
 
+/// Commits a first solution of cluster 1, of these images, and the version after `scene`, whose
+/// only placement is that cluster. @return false when the store refuses
+bool solve_successor(SessionStore& store, const std::vector<ImageId>& images,
+                     StoredSceneVersion scene);
+
 }  // namespace psfm::testing

@@ -13,8 +13,8 @@ from watched import watch
 ABOUT = """\
 `psfm simulate --scene streets` makes features and verified pairs of a town that grows with the number of images, and
 `psfm import` takes them through the pipeline, in two orders; no photograph is looked at. *Several users at once*
-(order.txt) walk all over the town, again and again: the last images overlap some twice as many earlier ones as the
-first do. *District by district* (districts.txt) the session grows, and what an image overlaps does not.
+(order.txt) walk all over the town, again and again: of 10,000 images the last thousand have 2.7 times as many pairs
+with earlier ones as the second thousand have. *District by district* (districts.txt) the session grows, and what an image overlaps does not.
 """
 IMAGES = 10000
 ORDERS = {"order": "several users at once", "districts": "district by district"}
