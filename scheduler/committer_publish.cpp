@@ -14,7 +14,7 @@ namespace {
 /// While other work goes on, the next version is begun so many times as long after a merge as that
 /// took. Raised: later versions; lowered: merging, whose cost grows with the session, takes the
 /// time of what is to be merged. Ours.
-constexpr double kRestPerMerge = 3.0;
+constexpr double kRestPerMerge = 5.0;
 
 }  // namespace
 

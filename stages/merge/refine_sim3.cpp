@@ -2,113 +2,168 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/refine_sim3.h"
 
-#include <ceres/ceres.h>
-
-#include <array>
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
-#include <exception>
-#include <memory>
+#include <limits>
+#include <vector>
 
 namespace psfm {
 namespace {
 
-/// Quaternion x y z w, translation, log scale of b_from_a.
-using Parameters = std::array<double, 8>;
+/// Turn, shift and logarithm of the scale of b_from_a.
+using Step = Eigen::Matrix<double, 7, 1>;
+using Square = Eigen::Matrix<double, 7, 7>;
 
-/// Where a view sees a point [longer image sides].
-template <typename T>
-Eigen::Matrix<T, 2, 1> projected(const View& view, const Eigen::Matrix<T, 3, 1>& in_cam) {
-    return view.focal * in_cam.template head<2>() / in_cam[2];
+constexpr int kMaxIterations = 50;
+/// The last digits of the cost take half of the iterations, and move nothing.
+constexpr double kCostTolerance = 1e-9;
+constexpr double kHuberPart = 1.0 / 3.0;
+
+/// A view as matrices, since its points are many.
+struct Camera3 {
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d translation;
+    double focal;
+
+    explicit Camera3(const View& view)
+        : rotation(view.cam_from_cluster.rotation.toRotationMatrix()),
+          translation(view.cam_from_cluster.translation),
+          focal(view.focal) {}
+
+    Eigen::Vector3d in_camera(const Eigen::Vector3d& point) const {
+        return rotation * point + translation;
+    }
+    Eigen::Vector2d projected(const Eigen::Vector3d& in_cam) const {
+        return focal * in_cam.head<2>() / in_cam.z();
+    }
+    /// d projection / d point in the cluster.
+    Eigen::Matrix<double, 2, 3> jacobian(const Eigen::Vector3d& in_cam) const {
+        const Eigen::Vector2d slope = in_cam.head<2>() / in_cam.z();
+        return focal / in_cam.z() * (rotation.topRows<2>() - slope * rotation.row(2).eval());
+    }
+};
+
+/// A correspondence that takes part, and where each image sees its own point.
+struct Term {
+    Eigen::Vector3d in_a;
+    Eigen::Vector3d in_b;
+    Eigen::Vector2d seen_in_a;
+    Eigen::Vector2d seen_in_b;
+};
+
+struct EdgeTerms {
+    Camera3 a;
+    Camera3 b;
+    std::vector<Term> terms;
+};
+
+std::vector<EdgeTerms> agreeing_with(std::span<const EdgeCorrespondences> edges,
+                                     const Sim3& b_from_a, double max_error) {
+    const Sim3 a_from_b = inverse(b_from_a);
+    std::vector<EdgeTerms> result;
+    for (const EdgeCorrespondences& edge : edges) {
+        EdgeTerms own{Camera3(edge.view_a), Camera3(edge.view_b), {}};
+        for (const PointCorrespondence& point : edge.points) {
+            if (correspondence_error(edge, point, b_from_a, a_from_b) > max_error) continue;
+            own.terms.push_back({point.in_a, point.in_b,
+                                 own.a.projected(own.a.in_camera(point.in_a)),
+                                 own.b.projected(own.b.in_camera(point.in_b))});
+        }
+        if (!own.terms.empty()) result.push_back(std::move(own));
+    }
+    return result;
 }
 
-class ProjectionDistance {
-  public:
-    ProjectionDistance(const EdgeCorrespondences& edge, const PointCorrespondence& point)
-        : view_a_(&edge.view_a),
-          view_b_(&edge.view_b),
-          point_(&point),
-          seen_in_a_(projected<double>(edge.view_a, edge.view_a.cam_from_cluster * point.in_a)),
-          seen_in_b_(projected<double>(edge.view_b, edge.view_b.cam_from_cluster * point.in_b)) {}
-
-    template <typename T>
-    bool operator()(const T* rotation, const T* shift_and_scale, T* residuals) const {
-        using Vector3 = Eigen::Matrix<T, 3, 1>;
-        const Eigen::Map<const Eigen::Quaternion<T>> b_from_a(rotation);
-        const Eigen::Map<const Vector3> translation(shift_and_scale);
-        const T scale = exp(shift_and_scale[3]);
-        const Vector3 a_in_b = scale * (b_from_a * point_->in_a.cast<T>()) + translation;
-        const Vector3 b_in_a =
-            b_from_a.conjugate() * (point_->in_b.cast<T>() - translation) / scale;
-        return distance(*view_a_, seen_in_a_, b_in_a, residuals) &&
-               distance(*view_b_, seen_in_b_, a_in_b, residuals + 2);
-    }
-
-  private:
-    template <typename T>
-    static bool distance(const View& view, const Eigen::Vector2d& seen,
-                         const Eigen::Matrix<T, 3, 1>& other, T* residuals) {
-        const Rigid3& pose = view.cam_from_cluster;
-        const Eigen::Matrix<T, 3, 1> in_cam =
-            pose.rotation.cast<T>() * other + pose.translation.cast<T>();
-        if (!(in_cam[2] > T(0.0))) return false;
-        Eigen::Map<Eigen::Matrix<T, 2, 1>>{residuals} = projected<T>(view, in_cam) - seen.cast<T>();
-        return true;
-    }
-
-    const View* view_a_;
-    const View* view_b_;
-    const PointCorrespondence* point_;
-    Eigen::Vector2d seen_in_a_;
-    Eigen::Vector2d seen_in_b_;
+/// Half the sum of Huber's losses, and the normal equations of the residuals weighted accordingly.
+struct System {
+    Square information = Square::Zero();
+    Step gradient = Step::Zero();
+    double cost = 0.0;
 };
+
+/// @return infinite cost when a point comes to lie behind a camera
+System linearize(std::span<const EdgeTerms> edges, const Sim3& b_from_a, double loss_scale) {
+    const Eigen::Matrix3d turn = b_from_a.rotation.toRotationMatrix();
+    const Eigen::Matrix3d turn_back = turn.transpose() / b_from_a.scale;
+    System system;
+    Eigen::Matrix<double, 4, 7> j;
+    Eigen::Vector4d residual;
+    for (const EdgeTerms& edge : edges) {
+        for (const Term& term : edge.terms) {
+            // Either point, seen from the other frame's origin, with the axes of b.
+            const Eigen::Vector3d from_a = b_from_a.scale * (turn * term.in_a);
+            const Eigen::Vector3d from_b = term.in_b - b_from_a.translation;
+            const Eigen::Vector3d in_cam_a = edge.a.in_camera(turn_back * from_b);
+            const Eigen::Vector3d in_cam_b = edge.b.in_camera(from_a + b_from_a.translation);
+            if (!(in_cam_a.z() > 0.0 && in_cam_b.z() > 0.0)) {
+                system.cost = std::numeric_limits<double>::infinity();
+                return system;
+            }
+            residual.head<2>() = edge.a.projected(in_cam_a) - term.seen_in_a;
+            residual.tail<2>() = edge.b.projected(in_cam_b) - term.seen_in_b;
+            Eigen::Matrix<double, 4, 3> by_shift;
+            by_shift.topRows<2>() = -edge.a.jacobian(in_cam_a) * turn_back;
+            by_shift.bottomRows<2>() = edge.b.jacobian(in_cam_b);
+            for (int row = 0; row < 4; ++row) {
+                const Eigen::Vector3d along = by_shift.row(row);
+                // What a turn or a scaling of the frames does to b's point is the opposite of what
+                // it does to a's, and so is its effect: the signs cancel.
+                const Eigen::Vector3d& arm = row < 2 ? from_b : from_a;
+                j.row(row).head<3>() = arm.cross(along);
+                j.row(row).segment<3>(3) = along;
+                j(row, 6) = along.dot(arm);
+            }
+            const double length = residual.norm();
+            const double weight = length > loss_scale ? loss_scale / length : 1.0;
+            system.information.noalias() += weight * j.transpose() * j;
+            system.gradient.noalias() += weight * j.transpose() * residual;
+            system.cost += length > loss_scale ? loss_scale * (length - 0.5 * loss_scale)
+                                               : 0.5 * length * length;
+        }
+    }
+    return system;
+}
+
+Sim3 moved(const Sim3& b_from_a, const Step& step) {
+    const Eigen::Vector3d half = 0.5 * step.head<3>();
+    const Eigen::Quaterniond turn(1.0, half.x(), half.y(), half.z());
+    return {b_from_a.scale * std::exp(step[6]),
+            (turn.normalized() * b_from_a.rotation).normalized(),
+            b_from_a.translation + step.segment<3>(3)};
+}
 
 }  // namespace
 
 Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_a,
                  double max_error) {
-    constexpr double kHuberPart = 1.0 / 3.0;
-    Parameters parameters{};
-    Eigen::Map<Eigen::Quaterniond>(parameters.data()) = b_from_a.rotation;
-    Eigen::Map<Eigen::Vector3d>(parameters.data() + 4) = b_from_a.translation;
-    parameters[7] = std::log(b_from_a.scale);
-    try {
-        ceres::Problem::Options owned;
-        owned.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-        ceres::HuberLoss loss(kHuberPart * max_error);
-        ceres::Problem problem(owned);
-        problem.AddParameterBlock(parameters.data(), 4, new ceres::EigenQuaternionManifold);
-        problem.AddParameterBlock(parameters.data() + 4, 4);
-        const Sim3 a_from_b = inverse(b_from_a);
-        for (const EdgeCorrespondences& edge : edges) {
-            for (const PointCorrespondence& point : edge.points) {
-                if (correspondence_error(edge, point, b_from_a, a_from_b) > max_error) continue;
-                auto distance = std::make_unique<ProjectionDistance>(edge, point);
-                using Cost = ceres::AutoDiffCostFunction<ProjectionDistance, 4, 4, 4>;
-                problem.AddResidualBlock(new Cost(distance.release()), &loss, parameters.data(),
-                                         parameters.data() + 4);
-            }
+    const double loss_scale = kHuberPart * max_error;
+    const std::vector<EdgeTerms> terms = agreeing_with(edges, b_from_a, max_error);
+    std::size_t count = 0;
+    for (const EdgeTerms& edge : terms) count += edge.terms.size();
+    if (count < 3) return b_from_a;
+
+    Sim3 refined = b_from_a;
+    System system = linearize(terms, refined, loss_scale);
+    double damping = 1e-4;
+    for (int iteration = 0; iteration < kMaxIterations && damping < 1e6; ++iteration) {
+        Square damped = system.information;
+        damped.diagonal() *= 1.0 + damping;
+        const Step step = -damped.ldlt().solve(system.gradient);
+        if (!step.allFinite()) break;
+        const Sim3 candidate = moved(refined, step);
+        const System next = linearize(terms, candidate, loss_scale);
+        if (!(next.cost < system.cost)) {
+            damping *= 10.0;
+            continue;
         }
-        if (problem.NumResidualBlocks() < 3) return b_from_a;
-        ceres::Solver::Options options;
-        // Seven unknowns, and up to tens of thousands of residuals.
-        options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-        options.max_num_iterations = 50;
-        // The last digits of the cost take half of the iterations, and move nothing.
-        options.function_tolerance = 1e-9;
-        options.parameter_tolerance = 1e-12;
-        options.gradient_tolerance = 1e-14;
-        options.num_threads = 1;
-        options.logging_type = ceres::SILENT;
-        ceres::Solver::Summary summary;
-        ceres::Solve(options, &problem, &summary);
-        if (!summary.IsSolutionUsable()) return b_from_a;
-    } catch (const std::exception&) {
-        return b_from_a;
+        const bool converged = system.cost - next.cost < kCostTolerance * system.cost;
+        refined = candidate;
+        system = next;
+        damping = std::max(0.1 * damping, 1e-9);
+        if (converged) break;
     }
-    Sim3 refined;
-    refined.rotation = Eigen::Map<Eigen::Quaterniond>(parameters.data()).normalized();
-    refined.translation = Eigen::Map<Eigen::Vector3d>(parameters.data() + 4);
-    refined.scale = std::exp(parameters[7]);
     return refined;
 }
 

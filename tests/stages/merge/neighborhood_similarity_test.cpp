@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <vector>
 
 namespace psfm {
@@ -53,6 +54,24 @@ TEST(NeighborhoodSimilarity, AnImageInBothModelsIsNoNeighbourOfItself) {
 TEST(NeighborhoodSimilarity, CamerasWithoutNeighboursDoNotCount) {
     EXPECT_EQ(similarity(row({0}, 0), row({0.1}, 10)), 1.0);
     EXPECT_EQ(similarity(row({0.4}, 0), row({0, 1, 2, 3}, 10)), 0.5);
+}
+
+/// Cameras 0, 1, 2, …
+std::vector<double> evenly_spaced(std::size_t count, double first = 0.0) {
+    std::vector<double> positions(count);
+    std::iota(positions.begin(), positions.end(), first);
+    return positions;
+}
+
+TEST(NeighborhoodSimilarity, OfLargeModelsIsEstimatedFromSomeOfTheirCameras) {
+    // 700 cameras of the second stand half way between the last 700 of the first one.
+    const Reconstruction a = row(evenly_spaced(3500), 0);
+    const Reconstruction b = row(evenly_spaced(700, 2799.5), 10'000);
+    const NeighborhoodCount count =
+        count_kept_neighbors(ClusterIndex(a, {}), ClusterIndex(b, {}), Sim3{});
+    EXPECT_NEAR(static_cast<double>(count.all), 4200.0, 10.0);
+    EXPECT_NEAR(count.similarity(), 2800.0 / 4200.0, 0.01);
+    EXPECT_EQ(similarity(a, row(evenly_spaced(700, 4000.0), 10'000)), 1.0);
 }
 
 }  // namespace
