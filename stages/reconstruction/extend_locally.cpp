@@ -25,7 +25,7 @@ bool is_extension(const ClusterProblem& problem, const SolveOptions& options) {
         return false;
     const Reconstruction& model = *problem.recycled.front();
     if (model.images.size() < options.extend_locally_from) return false;
-    const std::uint32_t adjusted = problem.recycled_state.images_at_full_adjustment;
+    const std::uint32_t adjusted = state_of_recycled(problem).images_at_full_adjustment;
     const double growth = static_cast<double>(problem.images.size()) - adjusted;
     return growth <= options.eta_grow * adjusted && !places_others_than(model, members_of(problem));
 }
@@ -64,7 +64,7 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
     WorkingModel model(part, matches);
     model.use_cameras(graph->cameras);
     SolveAttempt attempt;
-    attempt.state = problem.recycled_state;
+    attempt.state = state_of_recycled(problem);
     const Recycling recycling = load_recycled(model, part, *graph, options);
     attempt.statistics.joined_models = recycling.joined;
     attempt.statistics.left_models = recycling.left;

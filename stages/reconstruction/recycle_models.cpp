@@ -97,6 +97,14 @@ std::vector<ImageId> members_of(const ClusterProblem& problem) {
     return members;
 }
 
+SolveState state_of_recycled(const ClusterProblem& problem) {
+    SolveState state = problem.recycled_state;
+    const std::size_t images = problem.recycled.front()->images.size();
+    state.images_at_full_adjustment =
+        std::min(state.images_at_full_adjustment, static_cast<std::uint32_t>(images));
+    return state;
+}
+
 Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
                       const ClusterProblem& problem, const LocalGraph& graph,
                       const SolveOptions& options) {

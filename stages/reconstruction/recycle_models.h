@@ -22,6 +22,11 @@ struct Recycling {
 /// Images of a cluster, ascending.
 std::vector<ImageId> members_of(const ClusterProblem& problem);
 
+/// The state of the first recycled model. Of what was adjusted, images may have left it since: they
+/// do not stand in for others that come.
+/// REQUIRES: problem.recycled not empty
+SolveState state_of_recycled(const ClusterProblem& problem);
+
 /// Moves models onto one that is there, each by the similarity that the 3D-3D correspondences of
 /// the local graph's edges between them agree on, if the relative rotations it brings about agree
 /// with the averaged ones. Models that find no place are tried again after each one that does.

@@ -122,7 +122,7 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     WorkingModel model(problem, matches);
     model.use_cameras(graph.cameras);
     SolveAttempt attempt;
-    attempt.state = problem.recycled_state;
+    attempt.state = state_of_recycled(problem);
     const Recycling recycling = load_recycled(model, problem, graph, options);
     attempt.statistics.joined_models = recycling.joined;
     attempt.statistics.left_models = recycling.left;

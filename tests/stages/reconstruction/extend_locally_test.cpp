@@ -249,6 +249,17 @@ TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
     ClusterProblem grown = problem;
     grown.recycled_state.images_at_full_adjustment = 20;
     EXPECT_FALSE(extended(grown, locally_from(20))) << "all of it is to be adjusted";
+    // The adjustment was of more images than the model still has: five of 30 are more than a tenth.
+    ClusterProblem split =
+        problem_without(scene, {kNew, ImageId{11}, ImageId{12}, ImageId{13}, ImageId{15}});
+    SolveOptions options = locally_from(20);
+    options.eta_grow = 0.1;
+    split.recycled_state.images_at_full_adjustment = 60;
+    EXPECT_FALSE(extended(split, options)) << "images that have left do not stand in for others";
+    options.eta_grow = 0.3;
+    const auto extension = extended(split, options);
+    ASSERT_TRUE(extension);
+    EXPECT_EQ(extension->state.images_at_full_adjustment, 25U);
     // Two are new, so that the cluster is larger than its model even without one that has left.
     ClusterProblem left = problem_without(scene, {kNew, ImageId{27}});
     ASSERT_TRUE(extended(left, locally_from(20)));
