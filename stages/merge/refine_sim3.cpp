@@ -21,13 +21,13 @@ constexpr int kMaxIterations = 50;
 constexpr double kCostTolerance = 1e-9;
 constexpr double kHuberPart = 1.0 / 3.0;
 
-/// A view as matrices, since its points are many.
-struct Camera3 {
+/// A view with its rotation as a matrix, since its points are many.
+struct FastView {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
     double focal;
 
-    explicit Camera3(const View& view)
+    explicit FastView(const View& view)
         : rotation(view.cam_from_cluster.rotation.toRotationMatrix()),
           translation(view.cam_from_cluster.translation),
           focal(view.focal) {}
@@ -54,8 +54,8 @@ struct Term {
 };
 
 struct EdgeTerms {
-    Camera3 a;
-    Camera3 b;
+    FastView a;
+    FastView b;
     std::vector<Term> terms;
 };
 
@@ -64,7 +64,7 @@ std::vector<EdgeTerms> agreeing_with(std::span<const EdgeCorrespondences> edges,
     const Sim3 a_from_b = inverse(b_from_a);
     std::vector<EdgeTerms> result;
     for (const EdgeCorrespondences& edge : edges) {
-        EdgeTerms own{Camera3(edge.view_a), Camera3(edge.view_b), {}};
+        EdgeTerms own{FastView(edge.view_a), FastView(edge.view_b), {}};
         for (const PointCorrespondence& point : edge.points) {
             if (correspondence_error(edge, point, b_from_a, a_from_b) > max_error) continue;
             own.terms.push_back({point.in_a, point.in_b,
@@ -92,7 +92,7 @@ System linearize(std::span<const EdgeTerms> edges, const Sim3& b_from_a, double 
     Eigen::Vector4d residual;
     for (const EdgeTerms& edge : edges) {
         for (const Term& term : edge.terms) {
-            // Either point, seen from the other frame's origin, with the axes of b.
+            // Either point from a's origin, along b's axes and in b's unit.
             const Eigen::Vector3d from_a = b_from_a.scale * (turn * term.in_a);
             const Eigen::Vector3d from_b = term.in_b - b_from_a.translation;
             const Eigen::Vector3d in_cam_a = edge.a.in_camera(turn_back * from_b);
@@ -108,8 +108,8 @@ System linearize(std::span<const EdgeTerms> edges, const Sim3& b_from_a, double 
             by_shift.bottomRows<2>() = edge.b.jacobian(in_cam_b);
             for (int row = 0; row < 4; ++row) {
                 const Eigen::Vector3d along = by_shift.row(row);
-                // What a turn or a scaling of the frames does to b's point is the opposite of what
-                // it does to a's, and so is its effect: the signs cancel.
+                // Turning or scaling a's frame moves b's points, as seen from it, the other way:
+                // the sign is in `along`.
                 const Eigen::Vector3d& arm = row < 2 ? from_b : from_a;
                 j.row(row).head<3>() = arm.cross(along);
                 j.row(row).segment<3>(3) = along;
