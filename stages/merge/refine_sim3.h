@@ -12,7 +12,7 @@ namespace psfm {
 /// Least squares over the distances of projections in both images of every correspondence that
 /// agrees with the start, so that the uncertain depths of points count for little; Huber loss at a
 /// third of max_error. Levenberg-Marquardt of our own: seven unknowns and up to tens of thousands
-/// of residuals, anew in nearly every merge, of which Ceres's automatic derivatives took a third.
+/// of residuals, anew in nearly every merge; Ceres's took a third of it.
 /// @return the refined similarity; the start itself if it cannot be improved
 Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_a,
                  double max_error);
