@@ -110,7 +110,7 @@ Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
             static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;
         if (grown > options.eta_grow * static_cast<double>(state.images_at_full_adjustment)) {
             const auto adjustments = refine_grown(model, static_cast<std::uint32_t>(grown),
-                                                  problem.fix_intrinsics, options);
+                                                  problem.fix_intrinsics, options, cancel);
             if (!adjustments.ok()) return adjustments.error();
             statistics.full_adjustments += *adjustments;
             state.images_at_full_adjustment = model.registered_count();

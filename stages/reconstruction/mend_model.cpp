@@ -47,7 +47,7 @@ Result<std::vector<std::uint32_t>> rejoin_parts(WorkingModel& model, const Clust
     const Recycling joined = join_models(model, std::move(models), problem, graph, options);
     if (joined.joined == 0) return std::vector<std::uint32_t>{};
     const auto adjustments =
-        refine_model(model, problem.fix_intrinsics, options.growth, options, cancel);
+        refine_joined(model, joined.images, joined.joint, problem.fix_intrinsics, options, cancel);
     if (!adjustments.ok()) return adjustments.error();
     statistics.full_adjustments += *adjustments;
     state.images_at_full_adjustment = model.registered_count();

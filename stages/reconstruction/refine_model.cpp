@@ -140,7 +140,7 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
 
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
                                     std::size_t at_least, bool fix_intrinsics,
-                                    const SolveOptions& options) {
+                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
     std::erase_if(images, [&](std::uint32_t image) { return !model.registered(image); });
     if (images.empty()) return 0U;
     std::vector<std::uint32_t> region = with_neighbors(model, images);
@@ -151,18 +151,18 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
     // The others hold the gauge.
     const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
     if (is_most) region.clear();
-    return refine(model, region, fix_intrinsics, options.large_growth, options, nullptr);
+    return refine(model, region, fix_intrinsics, options.large_growth, options, cancel);
 }
 
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
                                     std::span<const std::uint32_t> joint, bool fix_intrinsics,
-                                    const SolveOptions& options) {
+                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
     if (model.registered_count() <= options.adjust_all_up_to)
-        return refine_model(model, fix_intrinsics, options.growth, options);
+        return refine_model(model, fix_intrinsics, options.growth, options, cancel);
     std::vector<std::uint32_t> images;
     std::ranges::set_union(joined, joint, std::back_inserter(images));
     const std::size_t at_least = joined.size() + options.images_around_joint;
-    return refine_around(model, std::move(images), at_least, fix_intrinsics, options);
+    return refine_around(model, std::move(images), at_least, fix_intrinsics, options, cancel);
 }
 
 std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::uint32_t> joined,
@@ -173,13 +173,13 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
 }
 
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
-                                   const SolveOptions& options) {
+                                   const SolveOptions& options, const std::atomic<bool>* cancel) {
     if (model.registered_count() <= options.adjust_all_up_to)
-        return refine_model(model, fix_intrinsics, options.growth, options);
+        return refine_model(model, fix_intrinsics, options.growth, options, cancel);
     std::vector<std::uint32_t> newest = registered_images(model);
     newest.erase(newest.begin(),
                  newest.end() - std::min<std::ptrdiff_t>(grown, std::ssize(newest)));
-    return refine_around(model, std::move(newest), 0, fix_intrinsics, options);
+    return refine_around(model, std::move(newest), 0, fix_intrinsics, options, cancel);
 }
 
 std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,

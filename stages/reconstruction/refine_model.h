@@ -27,19 +27,24 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
 /// until there are so many; the rest of the model holds the gauge. All of it is adjusted when that
 /// would be most of it.
 /// @param images  ascending; those that are not registered do not count
+/// @param cancel  as above
+/// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
                                     std::size_t at_least, bool fix_intrinsics,
-                                    const SolveOptions& options);
+                                    const SolveOptions& options,
+                                    const std::atomic<bool>* cancel = nullptr);
 
 /// Adjusts a model that others were joined to: all of it, or, of more than `adjust_all_up_to`, the
 /// joined images and the first model around the joint, whose far end holds the gauge: a part that
 /// was moved by a similarity is not held by anything else, and finds its place as a whole.
 /// @param joined  images of the models that were joined to the first, ascending
 /// @param joint  ends of edges between the models, ascending
-/// @errors kDegenerate
+/// @param cancel  as above
+/// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
                                     std::span<const std::uint32_t> joint, bool fix_intrinsics,
-                                    const SolveOptions& options);
+                                    const SolveOptions& options,
+                                    const std::atomic<bool>* cancel = nullptr);
 
 /// Makes one of the tracks that small models and the one that they were joined to have apart, and
 /// adjusts the joined images with their neighbours (refine_locally).
@@ -50,9 +55,11 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
 
 /// Adjusts a model that has grown by so many images since the last time: all of it, as in the
 /// paper, or, of more than `adjust_all_up_to`, the images that came last, with their neighbours.
-/// @errors kDegenerate
+/// @param cancel  as above
+/// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
-                                   const SolveOptions& options);
+                                   const SolveOptions& options,
+                                   const std::atomic<bool>* cancel = nullptr);
 
 /// Adjusts images and their surroundings: creates and continues their points, adjusts them with the
 /// neighbours that share most points with them, filters, and once more where much was filtered.

@@ -148,7 +148,7 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     const auto joined = static_cast<double>(recycling.images.size());
     if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
         const auto done = take_over(refine_joined(model, recycling.images, recycling.joint,
-                                                  problem.fix_intrinsics, options));
+                                                  problem.fix_intrinsics, options, cancel));
         if (!done.ok()) return done.error();
     } else if (recycling.joined > 0) {
         attempt.statistics.local_adjustments +=

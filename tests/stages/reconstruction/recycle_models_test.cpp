@@ -197,6 +197,24 @@ TEST(RecycleModels, JoinsThePartsOfALargeFoldedModelAgain) {
     EXPECT_LT(solution->state.tolerated_contradiction_deg, options.max_contradiction_deg);
 }
 
+/// As where models of several clusters are joined: large ones are not adjusted again and again.
+TEST(RecycleModels, LargeFoldedModelsAreAdjustedRoughlyWhenTheyAreJoinedAgain) {
+    const SyntheticScene scene = noisy_ring(4);
+    SolveOptions options;
+    options.rejoin_from_images = kImages;
+    options.growth.max_rounds = 3;
+    options.growth.max_change = 0.0;
+    for (const auto& [adjust_all_up_to, adjustments] :
+         {std::pair(kImages, 3U), std::pair(kImages - 1, 1U)}) {
+        options.adjust_all_up_to = adjust_all_up_to;
+        const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), options);
+        ASSERT_TRUE(solution.ok());
+        ASSERT_TRUE(solution->statistics.reset);
+        EXPECT_EQ(solution->statistics.full_adjustments, adjustments);
+        EXPECT_LT(max_position_error(*solution, scene), 0.05);
+    }
+}
+
 /// No similarity between the arms is believed.
 TEST(RecycleModels, PartsThatNothingJoinsAreSolvedNew) {
     const SyntheticScene scene = noisy_ring(4);

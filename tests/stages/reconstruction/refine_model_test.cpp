@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <vector>
 
@@ -118,6 +119,24 @@ TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
     EXPECT_EQ(moved.back(), kImages - 1) << "its far end, which nothing else holds";
     EXPECT_TRUE(std::ranges::binary_search(moved, 26U));
     EXPECT_GT(moved.front(), 15U);
+}
+
+/// Seconds to a minute of a model of thousands, which a stop does not wait for.
+TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
+    const SceneModel wall(noisy_wall(8));
+    const std::atomic<bool> cancel = true;
+    const std::vector<std::uint32_t> images{20, 21};
+    for (const std::uint32_t adjust_all_up_to : {kImages, kImages - 1}) {
+        SolveOptions options;
+        options.adjust_all_up_to = adjust_all_up_to;
+        for (const auto& done : {refine_model(*wall.model, true, options.growth, options, &cancel),
+                                 refine_around(*wall.model, images, 0, true, options, &cancel),
+                                 refine_joined(*wall.model, images, images, true, options, &cancel),
+                                 refine_grown(*wall.model, 4, true, options, &cancel)}) {
+            ASSERT_FALSE(done.ok());
+            EXPECT_EQ(done.error().code, ErrorCode::kCancelled);
+        }
+    }
 }
 
 TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
