@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "stages/reconstruction/contradiction.h"
-#include "stages/reconstruction/grow_model.h"
+#include "stages/reconstruction/join_while_growing.h"
 #include "stages/reconstruction/local_graph.h"
 #include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
@@ -65,14 +65,14 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
     model.use_cameras(graph->cameras);
     SolveAttempt attempt;
     attempt.state = state_of_recycled(problem);
-    const Recycling recycling = load_recycled(model, part, *graph, options);
-    attempt.statistics.joined_models = recycling.joined;
-    attempt.statistics.left_models = recycling.left;
-    if (recycling.joined > 0) {
+    const auto adjust_joint = [&](const Recycling& recycling) -> Result<bool> {
         attempt.statistics.local_adjustments +=
             refine_joined_locally(model, recycling.images, part.fix_intrinsics, options);
-    }
-    const auto grown = grow_model(model, part, options, cancel, attempt.state, attempt.statistics);
+        return true;
+    };
+    const auto grown =
+        join_while_growing(model, load_recycled(model, part, *graph, options), part, *graph,
+                           options, cancel, adjust_joint, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
 
     const Reconstruction& before = *problem.recycled.front();

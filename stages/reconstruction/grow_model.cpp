@@ -97,10 +97,12 @@ bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem
 
 Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
                         const SolveOptions& options, const std::atomic<bool>* cancel,
-                        SolveState& state, SolveStatistics& statistics) {
+                        SolveState& state, SolveStatistics& statistics, std::uint32_t at_most) {
     std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
-    while (const auto image =
-               next_image(model, points_at_last_try, options.absolute_pose.min_inliers)) {
+    const std::uint32_t before = statistics.registered;
+    while (statistics.registered - before < at_most) {
+        const auto image = next_image(model, points_at_last_try, options.absolute_pose.min_inliers);
+        if (!image) break;
         if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
         points_at_last_try[*image] = model.visible_points(*image);
         if (!register_image(model, *image, problem, options)) continue;

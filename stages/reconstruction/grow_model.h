@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "graph/result.h"
@@ -18,10 +19,12 @@ namespace psfm {
 /// and split, its surroundings adjusted; all of the model is adjusted whenever it has grown by
 /// eta_grow.
 /// @param state  images at the last full adjustment: read and written
+/// @param at_most  so many images are added
 /// @return counts; SolveStatistics::kind is left alone
 /// @errors kDegenerate (an adjustment of all of the model failed), kCancelled
 Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
                         const SolveOptions& options, const std::atomic<bool>* cancel,
-                        SolveState& state, SolveStatistics& statistics);
+                        SolveState& state, SolveStatistics& statistics,
+                        std::uint32_t at_most = std::numeric_limits<std::uint32_t>::max());
 
 }  // namespace psfm

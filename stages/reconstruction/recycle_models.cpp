@@ -73,19 +73,26 @@ class RotationCheck {
     double max_rad_;
 };
 
-std::optional<Sim3> base_from_part(const Reconstruction& base, const Reconstruction& part,
-                                   const ClusterProblem& problem, const LocalGraph& graph,
-                                   const SolveOptions& options) {
+/// Where a model belongs beside another one.
+struct Placement {
+    std::optional<Sim3> base_from_part;  ///< none: no similarity is believed
+    bool is_asked = false;               ///< some edge has points enough to say
+};
+
+Placement place_beside(const Reconstruction& base, const Reconstruction& part,
+                       const ClusterProblem& problem, const LocalGraph& graph,
+                       const SolveOptions& options) {
     const std::vector<VerifiedPairPtr> edges = edges_between(graph, base, part);
-    if (edges.empty()) return std::nullopt;
+    if (edges.empty()) return {};
     const ClusterIndex part_index(part, images_of(part));
     const ClusterIndex base_index(base, images_of(base));
     const ClusterConstraint constraint =
         estimate_cluster_constraint(part_index, base_index, edges, options.transfer);
-    if (!constraint.accepted()) return std::nullopt;
+    Placement placement{std::nullopt, constraint.edges_tried > 0};
     const RotationCheck check(problem, graph, options.max_contradiction_deg);
-    if (!check.agrees(base, part, constraint.b_from_a, edges)) return std::nullopt;
-    return constraint.b_from_a;
+    if (constraint.accepted() && check.agrees(base, part, constraint.b_from_a, edges))
+        placement.base_from_part = constraint.b_from_a;
+    return placement;
 }
 
 }  // namespace
@@ -109,21 +116,24 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
                       const ClusterProblem& problem, const LocalGraph& graph,
                       const SolveOptions& options) {
     Recycling recycling;
+    std::vector<bool> is_asked(parts.size(), false);  // by part, in the last round
     bool progress = true;
     while (progress && !parts.empty()) {
         progress = false;
         const Reconstruction base = model.save();
-        for (auto part = parts.begin(); part != parts.end(); ++part) {
-            const auto similarity = base_from_part(base, *part, problem, graph, options);
-            if (!similarity) continue;
-            model.append(*part, *similarity);
-            for (const RegisteredImage& image : part->images)
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            const Reconstruction& part = parts[p];
+            const Placement placement = place_beside(base, part, problem, graph, options);
+            is_asked[p] = placement.is_asked;
+            if (!placement.base_from_part) continue;
+            model.append(part, *placement.base_from_part);
+            for (const RegisteredImage& image : part.images)
                 recycling.images.push_back(model.numbers().of(image.image));
-            for (const VerifiedPairPtr& pair : edges_between(graph, base, *part)) {
+            for (const VerifiedPairPtr& pair : edges_between(graph, base, part)) {
                 recycling.joint.push_back(model.numbers().of(pair->pair.first));
                 recycling.joint.push_back(model.numbers().of(pair->pair.second));
             }
-            parts.erase(part);
+            parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(p));
             ++recycling.joined;
             progress = true;
             break;
@@ -135,6 +145,9 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
         images->erase(repeated.begin(), repeated.end());
     }
     recycling.left = static_cast<std::uint32_t>(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        if (!is_asked[p]) recycling.unrelated.push_back(std::move(parts[p]));
+    }
     return recycling;
 }
 

@@ -16,7 +16,11 @@ struct Recycling {
     std::uint32_t joined = 0;           ///< models joined to the first
     std::vector<std::uint32_t> images;  ///< of these, local numbers, ascending
     std::vector<std::uint32_t> joint;   ///< ends of edges from one model to another, ascending
-    std::uint32_t left = 0;  ///< models that found no place: their images are added one by one
+    /// Models that found no place: their images are added one by one.
+    std::uint32_t left = 0;
+    /// Those of them of which no edge says where they belong: none has enough triangulated points
+    /// at both of its ends.
+    std::vector<Reconstruction> unrelated;
 };
 
 /// Images of a cluster, ascending.

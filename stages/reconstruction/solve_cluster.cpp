@@ -11,6 +11,7 @@
 #include "stages/reconstruction/extend_locally.h"
 #include "stages/reconstruction/grow_model.h"
 #include "stages/reconstruction/initialize_model.h"
+#include "stages/reconstruction/join_while_growing.h"
 #include "stages/reconstruction/judge_model.h"
 #include "stages/reconstruction/local_graph.h"
 #include "stages/reconstruction/mend_model.h"
@@ -115,6 +116,34 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
     return best;
 }
 
+/// Adjusts models that were joined, unless they show different places: what would only come apart
+/// again is not adjusted first. @return whether they show one place; else `attempt` is finished
+Result<bool> settle_joint(WorkingModel& model, const Recycling& recycling,
+                          const ClusterProblem& problem, const LocalGraph& graph,
+                          const SolveOptions& options, const std::atomic<bool>* cancel,
+                          SolveAttempt& attempt) {
+    complete_tracks(model, recycling.joint, options.tracks);
+    merge_tracks(model, recycling.joint, options.tracks);
+    auto places = separate_places(model.save(), problem.pairs, options.places);
+    if (!places.empty()) {
+        finish(attempt, model, graph, options);
+        attempt.places = std::move(places);
+        return false;
+    }
+    const auto joined = static_cast<double>(recycling.images.size());
+    if (joined <= options.eta_grow * attempt.state.images_at_full_adjustment) {
+        attempt.statistics.local_adjustments +=
+            refine_joined_locally(model, recycling.images, problem.fix_intrinsics, options);
+        return true;
+    }
+    const auto adjustments = refine_joined(model, recycling.images, recycling.joint,
+                                           problem.fix_intrinsics, options, cancel);
+    if (!adjustments.ok()) return adjustments.error();
+    attempt.statistics.full_adjustments += *adjustments;
+    attempt.state.images_at_full_adjustment = model.registered_count();
+    return true;
+}
+
 /// Joins what is recycled, adds the other images, places anew the few that contradict, and adjusts.
 Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGraph& graph,
                                     const CorrespondenceGraph& matches, const SolveOptions& options,
@@ -123,40 +152,17 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     model.use_cameras(graph.cameras);
     SolveAttempt attempt;
     attempt.state = state_of_recycled(problem);
-    const Recycling recycling = load_recycled(model, problem, graph, options);
-    attempt.statistics.joined_models = recycling.joined;
-    attempt.statistics.left_models = recycling.left;
-    const auto take_over = [&](const Result<std::uint32_t>& adjustments) -> Result<void> {
-        if (!adjustments.ok()) return adjustments.error();
-        attempt.statistics.full_adjustments += *adjustments;
-        attempt.state.images_at_full_adjustment = model.registered_count();
-        return {};
+    attempt.statistics.kind = problem.settle                ? SolveKind::kSettle
+                              : problem.recycled.size() > 1 ? SolveKind::kTransfer
+                                                            : SolveKind::kExtend;
+    const auto settle = [&](const Recycling& recycling) {
+        return settle_joint(model, recycling, problem, graph, options, cancel, attempt);
     };
-    if (recycling.joined > 0) {
-        complete_tracks(model, recycling.joint, options.tracks);
-        merge_tracks(model, recycling.joint, options.tracks);
-        // What would only come apart again is not adjusted first.
-        const Reconstruction joined = model.save();
-        auto places = separate_places(joined, problem.pairs, options.places);
-        if (!places.empty()) {
-            finish(attempt, model, graph, options);
-            attempt.places = std::move(places);
-            attempt.statistics.kind = SolveKind::kTransfer;
-            return attempt;
-        }
-    }
-    const auto joined = static_cast<double>(recycling.images.size());
-    if (joined > options.eta_grow * attempt.state.images_at_full_adjustment) {
-        const auto done = take_over(refine_joined(model, recycling.images, recycling.joint,
-                                                  problem.fix_intrinsics, options, cancel));
-        if (!done.ok()) return done.error();
-    } else if (recycling.joined > 0) {
-        attempt.statistics.local_adjustments +=
-            refine_joined_locally(model, recycling.images, problem.fix_intrinsics, options);
-    }
     const auto grown =
-        grow_model(model, problem, options, cancel, attempt.state, attempt.statistics);
+        join_while_growing(model, load_recycled(model, problem, graph, options), problem, graph,
+                           options, cancel, settle, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
+    if (attempt.places) return attempt;
     if (is_bad_configuration(find_contradiction(model, graph, options.max_contradiction_deg),
                              model.registered_count(), attempt.state, options)) {
         const auto mended =
@@ -164,14 +170,13 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         if (!mended.ok()) return mended.error();
     }
     if (problem.settle) {
-        const auto done = take_over(
-            refine_model(model, problem.fix_intrinsics, options.settling, options, cancel));
-        if (!done.ok()) return done.error();
+        const auto adjustments =
+            refine_model(model, problem.fix_intrinsics, options.settling, options, cancel);
+        if (!adjustments.ok()) return adjustments.error();
+        attempt.statistics.full_adjustments += *adjustments;
+        attempt.state.images_at_full_adjustment = model.registered_count();
     }
     finish(attempt, model, graph, options);
-    attempt.statistics.kind = problem.settle                ? SolveKind::kSettle
-                              : problem.recycled.size() > 1 ? SolveKind::kTransfer
-                                                            : SolveKind::kExtend;
     return attempt;
 }
 

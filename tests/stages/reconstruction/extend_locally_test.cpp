@@ -237,6 +237,26 @@ TEST(ExtendLocally, JoinsASmallModel) {
     EXPECT_LT(error->max_position, 0.05);
 }
 
+TEST(ExtendLocally, JoinsAModelWithoutCommonPointsOnceSomeOfItsImagesAreThere) {
+    const SyntheticScene scene = noisy_wall(8);
+    std::vector<ImageId> second;
+    for (std::uint32_t image = 16; image < kImages; ++image) second.push_back(ImageId{image});
+    ClusterProblem problem = problem_without(scene, second);
+    problem.recycled.push_back(without_points_beyond(
+        synthetic::true_reconstruction(scene, synthetic::random_gauge(6), second), problem.pairs));
+    SolveOptions options = locally_from(10);
+    options.eta_grow = 1.0;
+    const auto local = extended(problem, options);
+    ASSERT_TRUE(local);
+    EXPECT_EQ(local->statistics.joined_models, 1U);
+    EXPECT_EQ(local->statistics.left_models, 0U);
+    EXPECT_EQ(local->statistics.registered, 5U) << "the others come with the model";
+    EXPECT_EQ(local->model.images.size(), kImages);
+    const auto error = synthetic::compare_with_truth(local->model, scene);
+    ASSERT_TRUE(error.ok());
+    EXPECT_LT(error->max_position, 0.05);
+}
+
 TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
     const SyntheticScene scene = noisy_wall(5);
     const ClusterProblem problem = problem_without(scene, {kNew});

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "stages/reconstruction/cluster_problem.h"
@@ -34,6 +37,27 @@ inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene,
 inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene,
                                  std::vector<VerifiedPairPtr> pairs) {
     return problem_of(scene, std::move(pairs), scene.cameras, scene.images.size());
+}
+
+/// Without the points that an edge of the view graph leads from to another image than its own.
+inline std::shared_ptr<const Reconstruction> without_points_beyond(
+    const Reconstruction& model, const std::vector<VerifiedPairPtr>& pairs) {
+    std::set<Observation> leading_out;
+    for (const VerifiedPairPtr& pair : pairs) {
+        const auto [first, second] = pair->pair;
+        if ((model.find(first) == nullptr) == (model.find(second) == nullptr)) continue;
+        for (const FeatureMatch& match : pair->geometry.inliers) {
+            leading_out.insert(model.find(first) != nullptr ? Observation{first, match.first}
+                                                            : Observation{second, match.second});
+        }
+    }
+    Reconstruction left = model;
+    std::erase_if(left.points, [&](const ScenePoint& point) {
+        return std::ranges::any_of(point.track, [&](const Observation& observation) {
+            return leading_out.contains(observation);
+        });
+    });
+    return std::make_shared<const Reconstruction>(std::move(left));
 }
 
 }  // namespace psfm

@@ -136,6 +136,26 @@ TEST(RecycleModels, AddsTheImagesOfABrokenModelOneByOne) {
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
 
+/// No edge has points of both models at first: some images of the second have to be added to the
+/// first by themselves, and the rest of it comes with them.
+TEST(RecycleModels, JoinsAModelWithoutCommonPointsOnceSomeOfItsImagesAreThere) {
+    constexpr std::uint32_t kMany = 32;
+    const SyntheticScene scene = synthetic::add_pixel_noise(
+        synthetic::make_scene(synthetic::ring_around_sphere(kMany), 8), 0.3, 8);
+    const ModelPtr first = model_of(scene, range(0, 12), 81);
+    const ModelPtr second = without_points_beyond(*model_of(scene, range(12, kMany), 82),
+                                                  synthetic::make_verified_pairs(scene));
+    const auto solution = solve_cluster(ring_problem(scene, {first, second}), {});
+    ASSERT_TRUE(solution.ok());
+    EXPECT_EQ(solution->statistics.kind, SolveKind::kTransfer);
+    EXPECT_EQ(solution->statistics.joined_models, 1U);
+    EXPECT_EQ(solution->statistics.left_models, 0U);
+    EXPECT_GT(solution->statistics.registered, 0U);
+    EXPECT_LE(solution->statistics.registered, 10U);
+    EXPECT_EQ(solution->model->images.size(), kMany);
+    EXPECT_LT(max_position_error(*solution, scene), 0.02);
+}
+
 /// The true model with the second half of the ring turned about the axis, as if it had been put on
 /// a look-alike: right within each half.
 ModelPtr folded_model(const SyntheticScene& scene) {
