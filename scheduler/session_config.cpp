@@ -53,6 +53,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.places.min_contradictions = 0;
         options.solve.extend_locally_from = 0;
         options.solve.adjust_all_up_to = std::numeric_limits<std::uint32_t>::max();
+        options.solve.converge_up_to = std::numeric_limits<std::uint32_t>::max();
         options.solve.rejoin_from_images = std::numeric_limits<std::uint32_t>::max();
         options.verification.enough_pairs = 0;
         options.merge.constraint.border_cameras = 0;

@@ -34,7 +34,8 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
                                     const SolveOptions& options,
                                     const std::atomic<bool>* cancel = nullptr);
 
-/// Adjusts a model that others were joined to: all of it, or, of more than `adjust_all_up_to`, the
+/// Adjusts a model that others were joined to: all of it, to convergence or, of more than
+/// `converge_up_to`, in the few steps of `large_growth`; or, of more than `adjust_all_up_to`, the
 /// joined images and the first model around the joint, whose far end holds the gauge: a part that
 /// was moved by a similarity is not held by anything else, and finds its place as a whole.
 /// @param joined  images of the models that were joined to the first, ascending
@@ -54,7 +55,8 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
                                     bool fix_intrinsics, const SolveOptions& options);
 
 /// Adjusts a model that has grown by so many images since the last time: all of it, as in the
-/// paper, or, of more than `adjust_all_up_to`, the images that came last, with their neighbours.
+/// paper, or as above; of more than `adjust_all_up_to`, the images that came last, with their
+/// neighbours.
 /// @param cancel  as above
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,

@@ -113,6 +113,11 @@ struct SolveOptions {
     /// cluster's rotations tell from right ones are kept more often; raised: an image takes longer
     /// the more there are. Ours.
     std::uint32_t extend_locally_from = 200;
+    /// Models of more images are adjusted in the few steps of `large_growth` when they have grown
+    /// or were joined: from there on what is left is bending, which takes tens of steps to undo and
+    /// is undone when they settle. Raised: slower, models bent by less while images stream in.
+    /// Ours (docs/performance.md).
+    std::uint32_t converge_up_to = 500;
     /// Larger models are adjusted where they have grown or were joined, all of them only when they
     /// settle: an image costs the same however many there are. Raised: slower, drift spreads
     /// over the whole model sooner; the paper adjusts all, whatever the size. Ours.
@@ -157,7 +162,7 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
-    /// Of models of more than adjust_all_up_to, where they have grown or were joined. More or
+    /// Of models of more than converge_up_to that have grown or were joined. More or
     /// longer rounds: slower; fewer: they stay bent by more until they settle
     /// (docs/performance.md). Ours.
     RefinementOptions large_growth{

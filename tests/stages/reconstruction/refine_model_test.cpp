@@ -121,6 +121,27 @@ TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
     EXPECT_GT(moved.front(), 15U);
 }
 
+TEST(RefineGrown, TakesFewStepsForWhatIsLargerThanConvergeUpTo) {
+    SolveOptions options;
+    options.growth.max_rounds = 3;
+    options.growth.max_change = 0.0;
+    const std::vector<std::uint32_t> images{20, 21};
+    for (const auto& [converge_up_to, rounds] :
+         {std::pair(kImages, 3U), std::pair(kImages - 1, 1U)}) {
+        options.converge_up_to = converge_up_to;
+        const SceneModel wall(noisy_wall(3));
+        wall.disturb(0.005, 4);
+        const auto before = poses_of(*wall.model);
+        const auto grown = refine_grown(*wall.model, 4, true, options);
+        ASSERT_TRUE(grown.ok());
+        EXPECT_EQ(*grown, rounds);
+        EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "all of it";
+        const auto joined = refine_joined(*wall.model, images, images, true, options);
+        ASSERT_TRUE(joined.ok());
+        EXPECT_EQ(*joined, rounds);
+    }
+}
+
 /// Seconds to a minute of a model of thousands, which a stop does not wait for.
 TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
     const SceneModel wall(noisy_wall(8));
