@@ -118,7 +118,7 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
 
 /// Adjusts models that were joined, unless they show different places: what would only come apart
 /// again is not adjusted first. @return whether they show one place; else `attempt` is finished
-Result<bool> settle_joint(WorkingModel& model, const Recycling& recycling,
+Result<bool> adjust_joint(WorkingModel& model, const Recycling& recycling,
                           const ClusterProblem& problem, const LocalGraph& graph,
                           const SolveOptions& options, const std::atomic<bool>* cancel,
                           SolveAttempt& attempt) {
@@ -128,6 +128,7 @@ Result<bool> settle_joint(WorkingModel& model, const Recycling& recycling,
     if (!places.empty()) {
         finish(attempt, model, graph, options);
         attempt.places = std::move(places);
+        attempt.statistics.kind = SolveKind::kTransfer;
         return false;
     }
     const auto joined = static_cast<double>(recycling.images.size());
@@ -155,12 +156,12 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     attempt.statistics.kind = problem.settle                ? SolveKind::kSettle
                               : problem.recycled.size() > 1 ? SolveKind::kTransfer
                                                             : SolveKind::kExtend;
-    const auto settle = [&](const Recycling& recycling) {
-        return settle_joint(model, recycling, problem, graph, options, cancel, attempt);
+    const auto handle = [&](const Recycling& recycling) {
+        return adjust_joint(model, recycling, problem, graph, options, cancel, attempt);
     };
     const auto grown =
         join_while_growing(model, load_recycled(model, problem, graph, options), problem, graph,
-                           options, cancel, settle, attempt.state, attempt.statistics);
+                           options, cancel, handle, attempt.state, attempt.statistics);
     if (!grown.ok()) return grown.error();
     if (attempt.places) return attempt;
     if (is_bad_configuration(find_contradiction(model, graph, options.max_contradiction_deg),
