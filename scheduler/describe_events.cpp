@@ -165,6 +165,7 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
                      std::to_string(solution.model->images.size()) + " of " +
                      std::to_string(problem.images.size()) + " images, " +
                      std::to_string(solution.model->points.size()) + " points" +
+                     (statistics.closed_loops > 0 ? ", loops closed" : "") +
                      (published ? "" : "; the cluster has changed meanwhile");
     }
     event.detail_json = nlohmann::json{{"kind", name_of(statistics.kind)},
@@ -175,6 +176,7 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
                                        {"global", statistics.is_global},
                                        {"joined_models", statistics.joined_models},
                                        {"left_models", statistics.left_models},
+                                       {"closed_loops", statistics.closed_loops},
                                        {"mean_error_px", statistics.mean_error_px}}
                             .dump();
     return event;

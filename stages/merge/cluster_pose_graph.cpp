@@ -257,6 +257,21 @@ Result<ClusterPoses> solve_cluster_poses(std::span<const PoseGraphEdge> edges,
     return poses_of(std::move(start), std::move(used));
 }
 
+Result<std::vector<Sim3>> refine_cluster_poses(std::span<const PoseGraphEdge> edges,
+                                               std::span<const std::size_t> sizes,
+                                               std::span<const Sim3> frame_from_cluster,
+                                               const PoseGraphOptions& options) {
+    std::vector<bool> used(edges.size(), true);
+    Start start = start_from_tree(edges, spanning_tree(edges, used, sizes.size()), sizes);
+    std::ranges::transform(frame_from_cluster, start.poses.begin(), pack);
+    try {
+        optimize(edges, used, start, options);
+    } catch (const std::exception& exception) {
+        return Error{ErrorCode::kInternal, std::string("cluster poses: ") + exception.what()};
+    }
+    return poses_of(std::move(start), std::move(used)).component_from_cluster;
+}
+
 ClusterPoses poses_along_tree(std::span<const PoseGraphEdge> edges,
                               std::span<const std::size_t> sizes) {
     std::vector<bool> used(edges.size(), true);

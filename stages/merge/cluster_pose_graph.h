@@ -48,7 +48,16 @@ Result<ClusterPoses> solve_cluster_poses(std::span<const PoseGraphEdge> edges,
                                          std::span<const std::size_t> sizes,
                                          const PoseGraphOptions& options);
 
-/// The same, before anything is optimised: poses along the maximum spanning tree by weight.
+/// The same from poses that are known roughly, all in one frame; no constraint is dropped, and the
+/// first of the largest clusters of each component stays where it is.
+/// @errors kInternal (an exception from Ceres)
+Result<std::vector<Sim3>> refine_cluster_poses(std::span<const PoseGraphEdge> edges,
+                                               std::span<const std::size_t> sizes,
+                                               std::span<const Sim3> frame_from_cluster,
+                                               const PoseGraphOptions& options);
+
+/// The same as solve_cluster_poses, before anything is optimised: poses along the maximum spanning
+/// tree by weight.
 ClusterPoses poses_along_tree(std::span<const PoseGraphEdge> edges,
                               std::span<const std::size_t> sizes);
 

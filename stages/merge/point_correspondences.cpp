@@ -26,7 +26,7 @@ class GeometryHash {
     void add(const Eigen::Vector3d& vector) {
         for (const double value : vector) add(value);
     }
-    void add(const View& view) {
+    void add(const EdgeView& view) {
         for (const double value : view.cam_from_cluster.rotation.coeffs()) add(value);
         add(view.cam_from_cluster.translation);
         add(view.focal);
@@ -48,19 +48,19 @@ std::uint64_t geometry_hash_of(const EdgeCorrespondences& edge) {
     return hash.value();
 }
 
-View view_of(const Reconstruction& model, const RegisteredImage& image) {
+EdgeView view_of(const Reconstruction& model, const RegisteredImage& image) {
     const Camera& camera = model.cameras.at(image.camera);
     return {image.cam_from_cluster,
             camera.mean_focal() / static_cast<double>(std::max(camera.width, camera.height))};
 }
 
-bool in_front(const View& view, const Eigen::Vector3d& point) {
+bool in_front(const EdgeView& view, const Eigen::Vector3d& point) {
     return (view.cam_from_cluster * point).z() > 0.0;
 }
 
 }  // namespace
 
-double View::distance(const Eigen::Vector3d& own, const Eigen::Vector3d& other) const {
+double EdgeView::distance(const Eigen::Vector3d& own, const Eigen::Vector3d& other) const {
     const Eigen::Vector3d p = cam_from_cluster * own;
     const Eigen::Vector3d q = cam_from_cluster * other;
     if (!(p.z() > 0.0 && q.z() > 0.0)) return std::numeric_limits<double>::infinity();

@@ -21,7 +21,7 @@ struct PointCorrespondence {
 
 /// An image as merging needs it: distortion matters little to distances between projections and is
 /// left out.
-struct View {
+struct EdgeView {
     Rigid3 cam_from_cluster;
     double focal = 1.0;  ///< [longer image sides]
 
@@ -32,8 +32,8 @@ struct View {
 /// The points that an edge of the view graph ties together.
 struct EdgeCorrespondences {
     ImagePair pair;
-    View view_a;
-    View view_b;
+    EdgeView view_a;
+    EdgeView view_b;
     std::vector<PointCorrespondence> points;
     std::uint64_t hash = 0;           ///< of the matches; does not depend on which image came first
     std::uint64_t geometry_hash = 0;  ///< of the matches, the views and the points, to the bit

@@ -27,7 +27,7 @@ struct FastView {
     Eigen::Vector3d translation;
     double focal;
 
-    explicit FastView(const View& view)
+    explicit FastView(const EdgeView& view)
         : rotation(view.cam_from_cluster.rotation.toRotationMatrix()),
           translation(view.cam_from_cluster.translation),
           focal(view.focal) {}

@@ -96,6 +96,7 @@ struct SolveStatistics {
     bool is_global = false;           ///< new, and started with all images at once
     std::uint32_t joined_models = 0;  ///< recycled models that could be joined to the first
     std::uint32_t left_models = 0;    ///< and those that could not
+    std::uint32_t closed_loops = 0;   ///< times that what was open in the model was closed
     std::optional<Reset> reset;
     std::uint32_t registered = 0;     ///< images added by this solve
     std::uint32_t removed_edges = 0;  ///< edges dropped from the local graph by rotation averaging

@@ -7,6 +7,7 @@
 #include <exception>
 #include <optional>
 
+#include "stages/reconstruction/close_loops.h"
 #include "stages/reconstruction/contradiction.h"
 #include "stages/reconstruction/extend_locally.h"
 #include "stages/reconstruction/grow_model.h"
@@ -116,6 +117,17 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
     return best;
 }
 
+/// Closes what is open in a model, and counts it. @return whether anything was closed
+Result<bool> close_open_loops(WorkingModel& model, const ClusterProblem& problem,
+                              const LocalGraph& graph, const SolveOptions& options,
+                              const std::atomic<bool>* cancel, SolveStatistics& statistics) {
+    const auto adjustments = close_loops(model, problem, graph, options, cancel);
+    if (!adjustments.ok()) return adjustments.error();
+    statistics.full_adjustments += *adjustments;
+    statistics.closed_loops += *adjustments > 0 ? 1 : 0;
+    return *adjustments > 0;
+}
+
 /// Adjusts models that were joined, unless they show different places: what would only come apart
 /// again is not adjusted first. @return whether they show one place; else `attempt` is finished
 Result<bool> adjust_joint(WorkingModel& model, const Recycling& recycling,
@@ -124,12 +136,19 @@ Result<bool> adjust_joint(WorkingModel& model, const Recycling& recycling,
                           SolveAttempt& attempt) {
     complete_tracks(model, recycling.joint, options.tracks);
     merge_tracks(model, recycling.joint, options.tracks);
+    const auto closed =
+        close_open_loops(model, problem, graph, options, cancel, attempt.statistics);
+    if (!closed.ok()) return closed.error();
     auto places = separate_places(model.save(), problem.pairs, options.places);
     if (!places.empty()) {
         finish(attempt, model, graph, options);
         attempt.places = std::move(places);
         attempt.statistics.kind = SolveKind::kTransfer;
         return false;
+    }
+    if (*closed) {  // what the joint moved has been adjusted
+        attempt.state.images_at_full_adjustment = model.registered_count();
+        return true;
     }
     const auto joined = static_cast<double>(recycling.images.size());
     if (joined <= options.eta_grow * attempt.state.images_at_full_adjustment) {
@@ -170,6 +189,9 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
             mend_model(model, problem, graph, options, cancel, attempt.state, attempt.statistics);
         if (!mended.ok()) return mended.error();
     }
+    const auto closed =
+        close_open_loops(model, problem, graph, options, cancel, attempt.statistics);
+    if (!closed.ok()) return closed.error();
     if (problem.settle) {
         const auto adjustments =
             refine_model(model, problem.fix_intrinsics, options.settling, options, cancel);

@@ -14,6 +14,7 @@
 #include "stages/reconstruction/bundle_adjustment.h"
 #include "stages/reconstruction/calibrate_focals.h"
 #include "stages/reconstruction/filter_directions.h"
+#include "stages/reconstruction/loop_options.h"
 #include "stages/reconstruction/place_options.h"
 #include "stages/reconstruction/triangulation.h"
 #include "stages/verification/verify_options.h"
@@ -148,6 +149,8 @@ struct SolveOptions {
     double max_contradicting_edges = 0.02;
     /// When images that a model shows side by side are of different places.
     PlaceOptions places;
+    /// When images that match and stand apart are brought together.
+    LoopOptions loops;
     /// How two models that come together in a cluster are joined. Their cameras may interleave: the
     /// clustering has found that they belong together; whether they do is asked of the joined model
     /// (places).

@@ -154,5 +154,24 @@ TEST(ClusterPoseGraph, ComponentsHaveTheirLargestClustersFrame) {
     EXPECT_TRUE(solve_cluster_poses({}, {}, {}).ok());
 }
 
+TEST(ClusterPoseGraph, IsRefinedFromWhereTheClustersAre) {
+    Planted planted = random_poses(6, 8);
+    for (std::uint32_t a = 0; a < 6; ++a) {
+        for (std::uint32_t b = a + 1; b < 6; ++b) planted.connect(a, b);
+    }
+    std::vector<Sim3> start = planted.frame_from_cluster;
+    synthetic::Rng rng(9);
+    for (std::size_t k = 1; k < start.size(); ++k) {
+        Sim3 moved{1.0, rng.small_rotation(0.05), 0.1 * rng.normal3()};
+        start[k] = start[k] * moved;
+    }
+    const std::vector<std::size_t> sizes(start.size(), 10);
+    auto refined = refine_cluster_poses(planted.edges, sizes, start, {});
+    ASSERT_TRUE(refined.ok());
+    for (std::size_t k = 0; k < start.size(); ++k)
+        EXPECT_LT(test::difference((*refined)[k], planted.frame_from_cluster[k]), 1e-6) << k;
+    EXPECT_TRUE(refine_cluster_poses({}, {}, {}, {}).ok());
+}
+
 }  // namespace
 }  // namespace psfm

@@ -48,7 +48,7 @@ struct TwoModels {
     double cost(const Sim3& similarity) const {
         const double delta = kMaxError / 3.0;
         const Sim3 back = inverse(similarity);
-        const auto projected = [](const View& view, const Eigen::Vector3d& point) {
+        const auto projected = [](const EdgeView& view, const Eigen::Vector3d& point) {
             const Eigen::Vector3d in_cam = view.cam_from_cluster * point;
             return Eigen::Vector2d(view.focal * in_cam.head<2>() / in_cam.z());
         };

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// When a model has loops that are open, and how they are closed. All ours, tuned on the simulated
+/// town; figures: docs/accuracy.md, "Loops".
+struct LoopOptions {
+    /// Open edges that a model must have; 0: loops are never closed, as in the paper. Lowered:
+    /// single wrong edges bend models; raised: loops that close with few images stay open.
+    std::uint32_t min_open_edges = 10;
+    /// Images from which a model is asked. Smaller ones are adjusted as a whole when they grow
+    /// (SolveOptions::adjust_all_up_to), and hardly drift. Lowered: slower, and look-alikes of
+    /// small scenes are asked; raised: drift of smaller models stays.
+    std::uint32_t min_images = 1000;
+    /// Matches of an edge whose features both belong to points, before it says anything.
+    std::uint32_t min_matches = 10;
+    /// An edge is open when hardly any of these have a point in common ...
+    double max_shared_part = 0.25;
+    /// ... and the two points of a match are so far apart, in the median, over their depth.
+    /// Lowered: points that adjustment brings together are taken for loops; raised: loops that are
+    /// open by less stay open.
+    double min_gap = 0.05;
+    /// Edges that hold an image in place, those with most common points first. Raised: slower;
+    /// lowered: streets bend where cross streets hold them.
+    std::uint32_t edges_per_image = 8;
+    /// Steps of the pose graph. Few do: what is left is for the adjustment. Raised: slower, and
+    /// bent more where a loop may also close by turning at one image.
+    std::uint32_t max_iterations = 5;
+    /// Residual (pose_graph_residual) from which an edge is still open after that, or torn. Raised:
+    /// wrong edges bend models further.
+    double max_residual = 0.1;
+    /// Part of the observations that closing may cost: it would not, were the loop a true one.
+    double max_lost_observations = 0.01;
+};
+
+/// @errors kInvalidArgument
+Result<void> validate(const LoopOptions& options);
+
+}  // namespace psfm

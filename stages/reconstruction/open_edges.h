@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "stages/merge/cluster_pose_graph.h"
+#include "stages/reconstruction/local_graph.h"
+#include "stages/reconstruction/loop_options.h"
+#include "stages/reconstruction/working_model.h"
+
+namespace psfm {
+
+/// The edges of a model as a pose graph between its images (local numbers), each image a frame of
+/// its own that now coincides with the model's.
+struct JudgedEdges {
+    /// Edges whose images have points in common: they ask for staying as one is.
+    std::vector<PoseGraphEdge> holding;
+    /// Edges whose matches belong to two points each, apart from one another: one where the first
+    /// image's surroundings stand, one where the second's do. They ask for bringing these together.
+    std::vector<PoseGraphEdge> open;
+};
+
+/// Edges of the local graph between registered images; those that say neither are left out, and of
+/// those that hold each image's strongest are enough.
+/// Deterministic. Cost: once through the matches, in parallel (TBB).
+JudgedEdges judge_edges(const WorkingModel& model, const LocalGraph& graph,
+                        const LoopOptions& options);
+
+}  // namespace psfm
