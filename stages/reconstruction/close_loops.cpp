@@ -130,7 +130,10 @@ Result<std::uint32_t> close_loops(WorkingModel& model, const ClusterProblem& pro
     move(trial, closing->model_from_image);
     const auto adjustments =
         refine_around(trial, closing->strained, 0, problem.fix_intrinsics, options, cancel);
-    if (!adjustments.ok()) return adjustments.error();
+    if (!adjustments.ok()) {
+        if (adjustments.error().code == ErrorCode::kCancelled) return adjustments.error();
+        return 0U;
+    }
     const auto before = static_cast<double>(observations_of(model));
     const auto after = static_cast<double>(observations_of(trial));
     if (trial.registered_count() < model.registered_count() ||

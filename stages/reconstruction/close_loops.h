@@ -19,10 +19,11 @@ namespace psfm {
 /// photographs), points follow their images, and what has moved against its surroundings is
 /// adjusted. Adjustment alone brings nothing together that is further apart than a few pixels.
 /// The model stays as it was when that would tear it, cost observations, or show images of
-/// different places side by side (separate_places): then it is the edges that are wrong.
+/// different places side by side (separate_places): then it is the edges that are wrong; nor does
+/// it change when what has moved cannot be adjusted.
 /// @param cancel  asked before each step of an adjustment; may be null
 /// @return bundle adjustments done; 0: nothing was open, or to be closed
-/// @errors kCancelled, and those of refine_model
+/// @errors kCancelled
 Result<std::uint32_t> close_loops(WorkingModel& model, const ClusterProblem& problem,
                                   const LocalGraph& graph, const SolveOptions& options,
                                   const std::atomic<bool>* cancel = nullptr);
