@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <atomic>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include "stages/reconstruction/open_edges.h"
 #include "stages/reconstruction/refine_model.h"
+#include "stages/reconstruction/solve_cluster.h"
 #include "tests/stages/reconstruction/problems.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/scene.h"
@@ -165,28 +166,89 @@ TEST_F(CloseLoops, SmallModelsAreAdjustedInstead) {
     EXPECT_EQ(close(), 0U);
 }
 
-/// Matches of features that look alike on opposite walls: were the loop closed that they make, the
-/// model would be torn.
-TEST_F(CloseLoops, WrongEdgesDoNotBendARigidModel) {
-    make(0.0, 0.0);
-    std::vector<VerifiedPairPtr> pairs = problem_.pairs;
-    for (std::uint32_t i = 0; i < 20; ++i) {
-        const ImagePair ends{static_cast<ImageId>(i), static_cast<ImageId>(i + kImages / 2)};
-        if (std::ranges::find(pairs, ends, [](const auto& pair) { return pair->pair; }) !=
-            pairs.end())
-            continue;
-        VerifiedPair wrong{ends, {}};
-        const std::size_t features =
-            std::min(problem_.images[index_of(ends.first)].keypoints->size(),
-                     problem_.images[index_of(ends.second)].keypoints->size());
-        for (std::uint32_t f = 0; f < std::min<std::size_t>(features, 60); ++f)
-            wrong.geometry.inliers.push_back({f, f});
-        pairs.push_back(std::make_shared<const VerifiedPair>(std::move(wrong)));
+TEST_F(CloseLoops, BelongsToSettling) {
+    make(0.1, 2.0);  // turned by less than what counts as a contradiction
+    ASSERT_GE(open_edges(), options_.loops.min_open_edges);
+    problem_.recycled = {start_};
+    problem_.recycled_state.images_at_start = kImages;
+    problem_.settle = true;
+    const auto solution = solve_cluster(problem_, options_);
+    ASSERT_TRUE(solution.ok());
+    EXPECT_EQ(solution->statistics.closed_loops, 1U);
+    EXPECT_EQ(solution->model->images.size(), kImages);
+
+    options_.loops.min_open_edges = 0;
+    const auto without = solve_cluster(problem_, options_);
+    ASSERT_TRUE(without.ok());
+    EXPECT_EQ(without->statistics.closed_loops, 0U);
+}
+
+TEST_F(CloseLoops, WhatCannotBeAdjustedInTimeIsLeftAsItWas) {
+    make(0.3, 1.0);
+    const double before = error();
+    const std::atomic<bool> cancel{true};
+    const auto closed = close_loops(*model_, problem_, *graph_, options_, &cancel);
+    ASSERT_FALSE(closed.ok());
+    EXPECT_EQ(closed.error().code, ErrorCode::kCancelled);
+    EXPECT_EQ(error(), before);
+}
+
+/// Matches of features that look alike on opposite walls, in a model that is right.
+class WrongLoops : public CloseLoops {
+  protected:
+    void SetUp() override {
+        make(0.0, 0.0);
+        std::vector<VerifiedPairPtr> pairs = problem_.pairs;
+        for (std::uint32_t i = 0; i < 20; ++i) {
+            const ImagePair ends{static_cast<ImageId>(i), static_cast<ImageId>(i + kImages / 2)};
+            if (std::ranges::find(pairs, ends, [](const auto& pair) { return pair->pair; }) !=
+                pairs.end())
+                continue;
+            VerifiedPair wrong{ends, {}};
+            wrong.geometry.inliers = look_alikes(ends);
+            pairs.push_back(std::make_shared<const VerifiedPair>(std::move(wrong)));
+        }
+        std::ranges::sort(pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
+        ASSERT_GT(pairs.size(), problem_.pairs.size() + 5);
+        problem_.pairs = std::move(pairs);
+        load();
+        options_.loops.min_open_edges = 5;
+        ASSERT_GE(open_edges(), options_.loops.min_open_edges);
     }
-    std::ranges::sort(pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
-    ASSERT_GT(pairs.size(), problem_.pairs.size() + 5);
-    problem_.pairs = std::move(pairs);
-    load();
+
+  private:
+    /// As if the point that the first image sees stood half way round the ring as well: the
+    /// features of the second image nearest to where it would be seen.
+    std::vector<FeatureMatch> look_alikes(const ImagePair& ends) const {
+        const Keypoints& first = *problem_.images[index_of(ends.first)].keypoints;
+        const Keypoints& second = *problem_.images[index_of(ends.second)].keypoints;
+        std::vector<FeatureMatch> matches;
+        std::vector<bool> used(second.size(), false);
+        for (std::uint32_t f = 0; f < first.size(); ++f) {
+            std::uint32_t nearest = 0;
+            double least = 1e9;
+            for (std::uint32_t g = 0; g < second.size(); ++g) {
+                const double distance = (first[f].position() - second[g].position()).norm();
+                if (distance < least && !used[g]) {
+                    least = distance;
+                    nearest = g;
+                }
+            }
+            if (least > 25.0) continue;
+            used[nearest] = true;
+            matches.push_back({f, nearest});
+        }
+        return matches;
+    }
+};
+
+TEST_F(WrongLoops, DoNotTearAModel) {
+    EXPECT_EQ(close(), 0U);
+    EXPECT_LT(error(), 1e-6);
+}
+
+TEST_F(WrongLoops, AreToldByWhatTheyCostWhereNothingTears) {
+    options_.loops.max_residual = 1e9;
     EXPECT_EQ(close(), 0U);
     EXPECT_LT(error(), 1e-6);
 }
