@@ -3,6 +3,7 @@
 #include "graph/reconstruction.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace psfm {
 
@@ -19,18 +20,25 @@ Reconstruction restricted_to(const Reconstruction& model, std::span<const ImageI
         part.images.push_back(image);
         part.cameras[image.camera] = model.cameras.at(image.camera);
     }
-    for (const ScenePoint& point : model.points) {
-        ScenePoint seen = point;
-        std::erase_if(seen.track, [&](const Observation& o) { return !kept(o.image); });
-        if (seen.track.size() >= 2) part.points.push_back(std::move(seen));
+    std::vector<ScenePoint> points;
+    for (const PointBlockPtr& block : model.points.blocks()) {
+        if (std::ranges::includes(keep, block->images())) {
+            part.points.append(std::exchange(points, {}));
+            part.points.append(block);
+            continue;
+        }
+        for (const ScenePoint& point : block->points()) {
+            ScenePoint seen = point;
+            std::erase_if(seen.track, [&](const Observation& o) { return !kept(o.image); });
+            if (seen.track.size() >= 2) points.push_back(std::move(seen));
+        }
     }
+    part.points.append(std::move(points));
     return part;
 }
 
 bool places_others_than(const Reconstruction& model, std::span<const ImageId> images) {
-    return !std::ranges::all_of(model.images, [&](const RegisteredImage& image) {
-        return std::ranges::binary_search(images, image.image);
-    });
+    return !std::ranges::includes(images, model.images, {}, {}, &RegisteredImage::image);
 }
 
 }  // namespace psfm

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -13,22 +11,9 @@
 #include "graph/camera.h"
 #include "graph/ids.h"
 #include "graph/rigid3.h"
+#include "graph/scene_points.h"
 
 namespace psfm {
-
-/// Feature `feature` of image `image`.
-struct Observation {
-    ImageId image{};
-    std::uint32_t feature = 0;
-    auto operator<=>(const Observation&) const = default;
-};
-
-/// A triangulated track.
-struct ScenePoint {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in the cluster's frame
-    float error_px = 0.F;                                ///< mean reprojection error
-    std::vector<Observation> track;  ///< ascending; at least two images, each at most once
-};
 
 struct RegisteredImage {
     ImageId image{};
@@ -42,7 +27,7 @@ struct RegisteredImage {
 struct Reconstruction {
     std::vector<RegisteredImage> images;
     std::map<CameraId, Camera> cameras;  ///< as refined by this cluster
-    std::vector<ScenePoint> points;
+    ScenePoints points;
 
     /// Binary search; nullptr when the image is not registered.
     const RegisteredImage* find(ImageId image) const;

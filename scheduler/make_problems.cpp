@@ -70,19 +70,14 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->settle = settle;
     problem->seed = config.seed;
     const std::vector<ImageId> images = state.clusters.images_of(entry);
-    // A table, since every edge is looked up in it.
-    std::vector<bool> is_among(state.view_graph.size(), false);
-    for (const ImageId id : images) is_among[index_of(id)] = true;
+    problem->view_graph = state.view_graph;
     problem->images.reserve(images.size());
     for (const ImageId id : images) {
         const Image& image = state.images[index_of(id)];
         problem->images.push_back(
             {id, image.camera, image.metadata.content_hash, state.keypoints[index_of(id)]});
-        problem->cameras.emplace(image.camera, state.cameras.at(image.camera));
-        for (const ViewGraph::Edge& edge : state.view_graph.edges(id)) {
-            if (edge.neighbor > id && is_among[index_of(edge.neighbor)])
-                problem->pairs.push_back(edge.pair);
-        }
+        if (!problem->cameras.contains(image.camera))
+            problem->cameras.emplace(image.camera, state.cameras.at(image.camera));
     }
     if (!config.fix_intrinsics) problem->calibrated = calibrated_elsewhere(state, *problem);
     return problem;

@@ -71,13 +71,6 @@ class RegisteredImages {
     std::vector<bool> table_;
 };
 
-constexpr std::size_t kPartPoints = 8192;  // that one task encodes
-
-std::span<const ScenePoint> part_of(std::span<const ScenePoint> points, std::size_t part) {
-    const auto from = points.subspan(part * kPartPoints);
-    return from.first(std::min(kPartPoints, from.size()));
-}
-
 /// The tracks of some points, and what forbids to store them.
 struct EncodedTracks {
     CompactListWriter tracks;
@@ -106,7 +99,7 @@ EncodedTracks encode_tracks(std::span<const ScenePoint> points,
 }
 
 /// Of whatever numbers.
-bool no_observation_twice(std::span<const ScenePoint> points) {
+bool no_observation_twice(const ScenePoints& points) {
     std::vector<Observation> all;
     for (const ScenePoint& point : points)
         all.insert(all.end(), point.track.begin(), point.track.end());
@@ -115,16 +108,11 @@ bool no_observation_twice(std::span<const ScenePoint> points) {
 }
 
 [[maybe_unused]] bool keeps_points(const Reconstruction& model, const Succession& succession) {
-    auto kept = model.points.begin();
-    for (std::size_t p = 0; p < succession.replaced.size(); ++p) {
-        if (succession.replaced[p] != 0) continue;
-        const ScenePoint& before = succession.before->points[p];
-        const bool same = kept->position == before.position && kept->error_px == before.error_px &&
-                          kept->track == before.track;
-        if (!same) return false;
-        ++kept;
-    }
-    return true;
+    const auto is_same = [](const ScenePoint& a, const ScenePoint& b) {
+        return a.position == b.position && a.error_px == b.error_px && a.track == b.track;
+    };
+    const ScenePoints kept = succession.before->points.without(succession.replaced);
+    return std::ranges::mismatch(kept, model.points, is_same).in1 == kept.end();
 }
 
 /// What the points of a record follow.
@@ -149,9 +137,9 @@ Followed followed_by(const Succession& succession, std::uint32_t since) {
 }
 
 /// @param points  of the model, those that are written
-Result<std::string> encode(const Reconstruction& model, std::span<const ScenePoint> points,
+Result<std::string> encode(const Reconstruction& model, const ScenePoints& points,
                            const std::string& state_json, const Followed& followed) {
-    std::vector<EncodedTracks> parts((points.size() + kPartPoints - 1) / kPartPoints);
+    std::vector<EncodedTracks> parts(points.blocks().size());
     const RegisteredImages registered(model);
     bool each_feature_once = true;
     // A waiting thread must not begin a solve in the middle of a commit.
@@ -160,7 +148,7 @@ Result<std::string> encode(const Reconstruction& model, std::span<const ScenePoi
             [&] { each_feature_once = each_feature_in_one_point(points); },
             [&] {
                 tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-                    parts[part] = encode_tracks(part_of(points, part), registered);
+                    parts[part] = encode_tracks(points.blocks()[part]->points(), registered);
                 });
             });
     });
@@ -168,7 +156,7 @@ Result<std::string> encode(const Reconstruction& model, std::span<const ScenePoi
     for (std::size_t part = 0; part < parts.size(); ++part) {
         if (parts[part].unsound) {
             return not_storable("point " +
-                                std::to_string(part * kPartPoints + *parts[part].unsound) +
+                                std::to_string(points.first_of(part) + *parts[part].unsound) +
                                 " is not finite, or its track is not ascending over two images");
         }
         if (!parts[part].all_registered)
@@ -215,8 +203,7 @@ Result<std::string> encode_changed_points(const Reconstruction& model,
     if (followed.kept_points > model.points.size())
         return not_storable("more points are kept than there are");
     assert(keeps_points(model, succession));
-    return encode(model, std::span(model.points).subspan(followed.kept_points), state_json,
-                  followed);
+    return encode(model, model.points.after(followed.kept_points), state_json, followed);
 }
 
 Result<SolutionPoints> decode_points(std::string_view payload) {
@@ -242,12 +229,13 @@ Result<SolutionPoints> decode_points(std::string_view payload) {
             result.kept.push_back(*length);
         }
     }
-    result.points.reserve(errors.size());
+    std::vector<ScenePoint> points;
+    points.reserve(errors.size());
     CompactListReader list(bytes_of(*record->tracks()));
     for (flatbuffers::uoffset_t i = 0; i < errors.size(); ++i) {
         auto track = take_track(list);
         if (!track) return damaged_payload("list of tracks is broken");
-        ScenePoint& point = result.points.emplace_back();
+        ScenePoint& point = points.emplace_back();
         point.position = {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
         point.error_px = errors[i];
         point.track = std::move(*track);
@@ -255,36 +243,34 @@ Result<SolutionPoints> decode_points(std::string_view payload) {
             return damaged_payload("point " + std::to_string(i) + " is impossible");
     }
     if (!list.at_end()) return damaged_payload("more tracks than points");
+    result.points = std::move(points);
     return result;
 }
 
-bool points_belong_to(const std::vector<ScenePoint>& points, const Reconstruction& poses) {
+bool points_belong_to(const ScenePoints& points, const Reconstruction& poses) {
     const RegisteredImages registered(poses);
     return std::ranges::all_of(
         points, [&](const ScenePoint& point) { return registered.have(point.track); });
 }
 
-Result<void> apply(SolutionPoints changes, std::vector<ScenePoint>& points) {
-    std::vector<ScenePoint> kept;
-    kept.reserve(points.size() + changes.points.size());
-    std::size_t at = 0;
-    bool is_kept = true;
+Result<void> apply(const SolutionPoints& changes, ScenePoints& points) {
+    std::vector<std::uint8_t> is_replaced;
+    is_replaced.reserve(points.size());
+    std::uint8_t replaced = 0;
     for (const std::uint32_t length : changes.kept) {
-        if (length > points.size() - at)
+        if (length > points.size() - is_replaced.size())
             return damaged_payload("more points are kept than the solution before has");
-        const auto from = points.begin() + static_cast<std::ptrdiff_t>(at);
-        if (is_kept) std::move(from, from + length, std::back_inserter(kept));
-        at += length;
-        is_kept = !is_kept;
+        is_replaced.insert(is_replaced.end(), length, replaced);
+        replaced ^= 1U;
     }
-    if (at != points.size())
+    if (is_replaced.size() != points.size())
         return damaged_payload("says of another number of points which are kept");
-    std::ranges::move(changes.points, std::back_inserter(kept));
-    points = std::move(kept);
+    points = points.without(is_replaced);
+    points.append(changes.points);
     return {};
 }
 
-bool each_feature_in_one_point(std::span<const ScenePoint> points) {
+bool each_feature_in_one_point(const ScenePoints& points) {
     // One bit for each feature of each image, up to the largest that is seen.
     std::vector<std::uint64_t> features;  // by image
     std::size_t observations = 0;

@@ -56,7 +56,7 @@ Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const So
     SolutionPoints result = std::move(chain->back());
     for (chain->pop_back(); !chain->empty(); chain->pop_back()) {
         result.state_json = std::move(chain->back().state_json);
-        const auto applied = apply(std::move(chain->back()), result.points);
+        const auto applied = apply(chain->back(), result.points);
         if (!applied) return view.about(Family::kPoints, encode_key(key), applied.error());
     }
     return std::optional(std::move(result));

@@ -40,7 +40,7 @@ Result<void> apply(SolutionPoses changes, Reconstruction& poses);
 
 /// What is stored of a solution beside its poses.
 struct SolutionPoints {
-    std::vector<ScenePoint> points;  ///< of changes: those after the ones that are kept
+    ScenePoints points;  ///< of changes: those after the ones that are kept
     std::string state_json;
     std::uint32_t since = 0;  ///< 0: whole
     /// Of changes: so many points kept, so many not, so many kept, …
@@ -62,12 +62,12 @@ Result<SolutionPoints> decode_points(std::string_view payload);
 
 /// @param points  of the solution that `changes` are to; become what they make of them
 /// @errors kDamaged: more are kept than there are
-Result<void> apply(SolutionPoints changes, std::vector<ScenePoint>& points);
+Result<void> apply(const SolutionPoints& changes, ScenePoints& points);
 
 /// Whether every point observes registered images only.
-bool points_belong_to(const std::vector<ScenePoint>& points, const Reconstruction& poses);
+bool points_belong_to(const ScenePoints& points, const Reconstruction& poses);
 
 /// Whether a feature belongs to at most one point.
-bool each_feature_in_one_point(std::span<const ScenePoint> points);
+bool each_feature_in_one_point(const ScenePoints& points);
 
 }  // namespace psfm

@@ -25,10 +25,17 @@ ClusterIndex::ClusterIndex(const Reconstruction& model, std::span<const ImageId>
     for (std::uint32_t place = 0; place < images.size(); ++place)
         place_of_[index_of(images[place]) - first_image_] = place;
     points_.resize(images.size());
-    for (std::uint32_t p = 0; p < model.points.size(); ++p) {
-        for (const Observation& seen : model.points[p].track) {
-            const std::uint32_t place = place_of(seen.image);
-            if (place != kNotAsked) points_[place].emplace_back(seen.feature, p);
+    const auto is_asked = [&](ImageId image) { return place_of(image) != kNotAsked; };
+    for (std::size_t b = 0; b < model.points.blocks().size(); ++b) {
+        const PointBlock& block = *model.points.blocks()[b];
+        if (std::ranges::none_of(block.images(), is_asked)) continue;
+        auto p = static_cast<std::uint32_t>(model.points.first_of(b));
+        for (const ScenePoint& point : block.points()) {
+            for (const Observation& seen : point.track) {
+                const std::uint32_t place = place_of(seen.image);
+                if (place != kNotAsked) points_[place].emplace_back(seen.feature, p);
+            }
+            ++p;
         }
     }
     for (auto& points : points_) std::ranges::sort(points);

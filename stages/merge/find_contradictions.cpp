@@ -101,13 +101,14 @@ std::vector<double> mean_depths(const Reconstruction& model) {
     const std::size_t step =
         std::max<std::size_t>(1, 3 * model.points.size() / (kPointsOfAnImage * sums.size()));
     for (std::size_t p = 0; p < model.points.size(); p += step) {
+        const ScenePoint& point = model.points[p];
         auto image = model.images.begin();  // both ascend by image
-        for (const Observation& seen : model.points[p].track) {
+        for (const Observation& seen : point.track) {
             image = std::lower_bound(image, model.images.end(), seen.image,
                                      [](const RegisteredImage& registered, ImageId id) {
                                          return registered.image < id;
                                      });
-            const double depth = (image->cam_from_cluster * model.points[p].position).z();
+            const double depth = (image->cam_from_cluster * point.position).z();
             if (!(depth > 0.0)) continue;
             Sum& sum = sums[static_cast<std::size_t>(image - model.images.begin())];
             sum.inverse += 1.0 / depth;

@@ -73,11 +73,7 @@ ClusterProblem part_of(const ClusterProblem& problem, const LocalGraph& graph,
         const CameraId camera = part.images.back().camera;
         part.cameras[camera] = graph.cameras.at(camera);
     }
-    for (const VerifiedPairPtr& pair : graph.pairs) {
-        if (std::ranges::binary_search(images, pair->pair.first) &&
-            std::ranges::binary_search(images, pair->pair.second))
-            part.pairs.push_back(pair);
-    }
+    part.view_graph = ViewGraph(graph.pairs);
     return part;
 }
 
@@ -93,8 +89,8 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
     }
     LocalGraph graph;
     graph.cameras = part.cameras;
-    graph.pairs = part.pairs;
-    const CorrespondenceGraph matches(ids, feature_counts, part.pairs);
+    graph.pairs = pairs_of(part);
+    const CorrespondenceGraph matches(ids, feature_counts, graph.pairs);
     WorkingModel model(part, matches);
     std::map<CameraId, Camera> calibrated;
     const auto seed = initialize_model(model, graph, std::vector<bool>(ids.size(), false), options);

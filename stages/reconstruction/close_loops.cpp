@@ -112,7 +112,7 @@ std::size_t observations_of(const WorkingModel& model) {
 
 bool shows_places(const WorkingModel& model, const ClusterProblem& problem,
                   const SolveOptions& options) {
-    return !separate_places(model.save(), problem.pairs, options.places).empty();
+    return !separate_places(model.save(), pairs_of(problem), options.places).empty();
 }
 
 }  // namespace

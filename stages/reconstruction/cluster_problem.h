@@ -16,6 +16,7 @@
 #include "graph/reconstruction.h"
 #include "graph/scene.h"
 #include "graph/two_view_geometry.h"
+#include "graph/view_graph.h"
 
 namespace psfm {
 
@@ -55,7 +56,8 @@ struct ClusterProblem {
     std::map<CameraId, Camera> cameras;  ///< as accepted; every camera of `images`
     /// Some of them as other clusters have estimated them: better to start from than EXIF.
     std::map<CameraId, Camera> calibrated;
-    std::vector<VerifiedPairPtr> pairs;  ///< edges with both ends in the cluster, ascending
+    /// Those of its edges count that have both ends in the cluster (pairs_of).
+    ViewGraph view_graph;
     /// Models to start from, most images first; images that are no members are left out. None:
     /// solve new; one: extend it; several: join them, and extend the result (transfer).
     std::vector<std::shared_ptr<const Reconstruction>> recycled;
@@ -67,6 +69,10 @@ struct ClusterProblem {
     bool settle = false;  ///< no image is to be added: adjust all of the model to convergence
     std::uint64_t seed = 0;
 };
+
+/// The edges with both ends in the cluster, ascending. Listing those of thousands of images takes
+/// longer than adding one to them.
+std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem);
 
 /// How a solution came about (paper, fig. "reconstruction").
 enum class SolveKind : std::uint8_t { kTooSmall, kNew, kExtend, kTransfer, kSettle };

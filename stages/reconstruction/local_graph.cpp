@@ -52,7 +52,7 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
     const auto keypoints_of = [&](ImageId image) {
         return std::span<const Keypoint>(*problem.images[numbers.of(image)].keypoints);
     };
-    const auto calibration = calibrate_focals(problem.pairs, as_verified, camera_of,
+    const auto calibration = calibrate_focals(pairs_of(problem), as_verified, camera_of,
                                               options.focal_calibration, keypoints_of);
     if (!calibration.ok()) return calibration.error();
     for (const auto& [id, focal] : calibration->focals) {
@@ -101,9 +101,10 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     auto cameras = starting_cameras(problem, numbers, options);
     if (!cameras.ok()) return cameras.error();
     graph.cameras = *std::move(cameras);
+    const std::vector<VerifiedPairPtr> of_cluster = pairs_of(problem);
     std::vector<VerifiedPairPtr> pairs;
     std::vector<RelativeRotation> rotations;
-    for (const VerifiedPairPtr& pair : problem.pairs) {
+    for (const VerifiedPairPtr& pair : of_cluster) {
         VerifiedPairPtr local = with_cameras(pair, problem, numbers, graph, options.verification);
         if (!local) continue;
         pairs.push_back(std::move(local));
@@ -118,7 +119,7 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
         graph.pairs.push_back(pairs[edge]);
     graph.rotations = averaged->node_from_reference;
     graph.component = averaged->component;
-    graph.removed_edges = static_cast<std::uint32_t>(problem.pairs.size() - graph.pairs.size());
+    graph.removed_edges = static_cast<std::uint32_t>(of_cluster.size() - graph.pairs.size());
     return graph;
 }
 

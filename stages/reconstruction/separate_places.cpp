@@ -95,7 +95,7 @@ std::set<std::uint32_t> contradicted(std::span<const std::uint32_t> part_of,
 
 }  // namespace
 
-bool may_show_another_place(const Reconstruction& model, std::span<const ScenePoint> seen,
+bool may_show_another_place(const Reconstruction& model, const ScenePoints& seen,
                             std::span<const ImageId> images, const PlaceOptions& options) {
     return options.min_contradictions > 0 &&
            stand_beside_strangers(model, seen, images, kGlanceFactor * options.max_shared_by_chance,

@@ -29,7 +29,7 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
 /// that shares hardly anything of what it sees. Their own pairs alone are looked at, so that a
 /// model whose images were all asked when they were added need not be asked again. Thread-safe.
 /// @param seen  points, among them all that the images observe
-bool may_show_another_place(const Reconstruction& model, std::span<const ScenePoint> seen,
+bool may_show_another_place(const Reconstruction& model, const ScenePoints& seen,
                             std::span<const ImageId> images, const PlaceOptions& options);
 
 }  // namespace psfm

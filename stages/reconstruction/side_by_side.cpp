@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "stages/merge/kd_tree.h"
@@ -19,15 +19,15 @@ struct View {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();  ///< unit, in the cluster
     const Camera* camera = nullptr;
-    std::vector<std::uint32_t> points;  ///< ascending
-    double median_depth = 0.0;          ///< 0: it has seen nothing
+    std::vector<const ScenePoint*> points;
+    double median_depth = 0.0;  ///< 0: it has seen nothing
 };
 
-double median_depth(std::span<const ScenePoint> points, const View& view) {
+double median_depth(const View& view) {
     std::vector<double> depths;
     depths.reserve(view.points.size());
-    for (const std::uint32_t point : view.points)
-        depths.push_back((points[point].position - view.centre).dot(view.ahead));
+    for (const ScenePoint* point : view.points)
+        depths.push_back((point->position - view.centre).dot(view.ahead));
     if (depths.empty()) return 0.0;
     const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
     std::ranges::nth_element(depths, middle);
@@ -59,47 +59,69 @@ std::vector<View> views_of(const Reconstruction& model, std::uint32_t step,
     views.reserve(model.images.size());
     for (const RegisteredImage& image : model.images) views.push_back(view_of(model, image));
     for (std::uint32_t p = step / 2; p < model.points.size(); p += step) {
-        const std::vector<Observation>& track = model.points[p].track;
-        if (track.size() < options.min_track) continue;
+        const ScenePoint& point = model.points[p];
+        if (point.track.size() < options.min_track) continue;
         // Both ascend by image.
         auto image = model.images.begin();
-        for (const Observation& observation : track) {
+        for (const Observation& observation : point.track) {
             image = std::lower_bound(image, model.images.end(), observation.image,
                                      [](const RegisteredImage& registered, ImageId id) {
                                          return registered.image < id;
                                      });
-            views[static_cast<std::size_t>(image - model.images.begin())].points.push_back(p);
+            views[static_cast<std::size_t>(image - model.images.begin())].points.push_back(&point);
         }
     }
-    in_parallel(views.size(), 64, [&](std::size_t i) {
-        views[i].median_depth = median_depth(model.points, views[i]);
-    });
+    in_parallel(views.size(), 64,
+                [&](std::size_t i) { views[i].median_depth = median_depth(views[i]); });
     return views;
 }
 
+/// Images that stand where one does, and how far from it.
+using Nearby = std::vector<std::pair<double, std::uint32_t>>;
+
+/// The nearest of those that look where one looks, too.
+std::vector<std::uint32_t> nearest_of(Nearby near, const PlaceOptions& options) {
+    std::ranges::sort(near);
+    if (near.size() > options.max_neighbors) near.resize(options.max_neighbors);
+    std::vector<std::uint32_t> nearest;
+    nearest.reserve(near.size());
+    for (const auto& [distance, other] : near) nearest.push_back(other);
+    return nearest;
+}
+
+double min_cosine(const PlaceOptions& options) {
+    return std::cos(options.max_turn_deg * std::numbers::pi / 180.0);
+}
+
 /// Images side by side with one: the nearest of them.
-/// @param depth_of  what is seen by another image, likewise, is how far away in the median
-template <typename DepthOf>
 std::vector<std::uint32_t> neighbors_of(std::uint32_t own, const std::vector<View>& views,
-                                        const KdTree& centres, const DepthOf& depth_of,
-                                        const PlaceOptions& options) {
-    const double min_cosine = std::cos(options.max_turn_deg * std::numbers::pi / 180.0);
+                                        const KdTree& centres, const PlaceOptions& options) {
     const View& view = views[own];
-    std::vector<std::pair<double, std::uint32_t>> near;
+    Nearby near;
     for (const std::uint32_t other :
          centres.nearer_than(view.centre, options.max_offset * view.median_depth)) {
         const double distance = (views[other].centre - view.centre).norm();
-        if (other == own || distance >= options.max_offset * depth_of(other) ||
-            view.ahead.dot(views[other].ahead) < min_cosine)
-            continue;
-        near.emplace_back(distance, other);
+        if (other != own && distance < options.max_offset * views[other].median_depth &&
+            view.ahead.dot(views[other].ahead) >= min_cosine(options))
+            near.emplace_back(distance, other);
     }
-    std::ranges::sort(near);
-    if (near.size() > options.max_neighbors) near.resize(options.max_neighbors);
-    std::vector<std::uint32_t> neighbors;
-    neighbors.reserve(near.size());
-    for (const auto& [distance, other] : near) neighbors.push_back(other);
-    return neighbors;
+    return nearest_of(std::move(near), options);
+}
+
+/// The same by the depths that the one sees alone; for few images, since all others are looked at.
+std::vector<std::uint32_t> neighbors_by_own_depth(std::uint32_t own, const View& view,
+                                                  const Reconstruction& model,
+                                                  const std::vector<Eigen::Vector3d>& centres,
+                                                  const PlaceOptions& options) {
+    const double reach = options.max_offset * view.median_depth;
+    Nearby near;
+    for (std::uint32_t other = 0; other < centres.size(); ++other) {
+        const double squared_distance = (centres[other] - view.centre).squaredNorm();
+        if (other == own || squared_distance >= reach * reach) continue;
+        if (view.ahead.dot(view_of(model, model.images[other]).ahead) >= min_cosine(options))
+            near.emplace_back(std::sqrt(squared_distance), other);
+    }
+    return nearest_of(std::move(near), options);
 }
 
 bool sees(const ScenePoint& point, ImageId image) {
@@ -108,20 +130,18 @@ bool sees(const ScenePoint& point, ImageId image) {
 }
 
 /// Adds what an image should see of what another one has seen, each point `weight` times.
-void count(std::span<const ScenePoint> points, std::span<const std::uint32_t> seen,
-           const Camera& camera, const RegisteredImage& image, std::uint32_t weight,
-           SideBySide& pair) {
+void count(std::span<const ScenePoint* const> seen, const Camera& camera,
+           const RegisteredImage& image, std::uint32_t weight, SideBySide& pair) {
     /// Features are not found at the very edge, and poses are not exact.
     constexpr double kMargin = 0.02;
     const Eigen::Array2d size(camera.width, camera.height);
     const double margin = kMargin * size.maxCoeff();
-    for (const std::uint32_t p : seen) {
-        const ScenePoint& point = points[p];
-        const auto pixel = project(camera, image.cam_from_cluster * point.position);
+    for (const ScenePoint* point : seen) {
+        const auto pixel = project(camera, image.cam_from_cluster * point->position);
         if (!pixel || (pixel->array() < margin).any() || (pixel->array() > size - margin).any())
             continue;
         pair.expected += weight;
-        if (sees(point, image.image)) pair.shared += weight;
+        if (sees(*point, image.image)) pair.shared += weight;
     }
 }
 
@@ -131,10 +151,8 @@ void count_all(const Reconstruction& model, const std::vector<View>& views, std:
         SideBySide& pair = pairs[k];
         const std::uint32_t first = pair.first;
         const std::uint32_t second = pair.second;
-        count(model.points, views[first].points, *views[second].camera, model.images[second],
-              weight, pair);
-        count(model.points, views[second].points, *views[first].camera, model.images[first], weight,
-              pair);
+        count(views[first].points, *views[second].camera, model.images[second], weight, pair);
+        count(views[second].points, *views[first].camera, model.images[first], weight, pair);
     });
 }
 
@@ -151,9 +169,7 @@ std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const Pla
 
     std::vector<std::vector<std::uint32_t>> neighbors(views.size());
     in_parallel(views.size(), [&](std::size_t i) {
-        neighbors[i] = neighbors_of(
-            static_cast<std::uint32_t>(i), views, tree,
-            [&](std::uint32_t other) { return views[other].median_depth; }, options);
+        neighbors[i] = neighbors_of(static_cast<std::uint32_t>(i), views, tree, options);
     });
     std::vector<SideBySide> pairs;
     for (std::uint32_t i = 0; i < neighbors.size(); ++i) {
@@ -182,34 +198,31 @@ std::vector<SideBySide> count_all_points(const Reconstruction& model, const Plac
     return counted;
 }
 
-bool stand_beside_strangers(const Reconstruction& model, std::span<const ScenePoint> seen,
+bool stand_beside_strangers(const Reconstruction& model, const ScenePoints& seen,
                             std::span<const ImageId> images, double max_shared_part,
                             const PlaceOptions& options) {
-    std::vector<View> views;
-    std::vector<Eigen::Vector3d> centres;
-    for (const RegisteredImage& image : model.images) {
-        views.push_back(view_of(model, image));
-        centres.push_back(views.back().centre);
-    }
-    const auto position_of = [&](ImageId image) { return model.find(image) - model.images.data(); };
-    const std::set<ImageId> asked(images.begin(), images.end());
-    for (std::uint32_t p = 0; p < seen.size(); ++p) {
-        if (seen[p].track.size() < options.min_track) continue;
-        for (const Observation& observation : seen[p].track) {
-            if (asked.contains(observation.image))
-                views[static_cast<std::size_t>(position_of(observation.image))].points.push_back(p);
+    std::map<ImageId, View> asked;
+    for (const ImageId image : images) asked.emplace(image, view_of(model, *model.find(image)));
+    for (const ScenePoint& point : seen) {
+        if (point.track.size() < options.min_track) continue;
+        for (const Observation& observation : point.track) {
+            if (const auto view = asked.find(observation.image); view != asked.end())
+                view->second.points.push_back(&point);
         }
     }
-    const KdTree tree(std::move(centres));
-    return std::ranges::any_of(images, [&](ImageId image) {
-        const auto own = static_cast<std::uint32_t>(position_of(image));
-        View& view = views[own];
-        view.median_depth = median_depth(seen, view);
-        const auto neighbors = neighbors_of(
-            own, views, tree, [&](std::uint32_t) { return view.median_depth; }, options);
+    std::vector<Eigen::Vector3d> centres;
+    centres.reserve(model.images.size());
+    for (const RegisteredImage& image : model.images)
+        centres.push_back(image.cam_from_cluster.target_origin_in_source());
+    return std::ranges::any_of(asked, [&](auto& entry) {
+        auto& [image, view] = entry;
+        view.median_depth = median_depth(view);
+        const auto own = static_cast<std::uint32_t>(model.find(image) - model.images.data());
+        const auto neighbors = neighbors_by_own_depth(own, view, model, centres, options);
         return std::ranges::any_of(neighbors, [&](std::uint32_t other) {
+            const RegisteredImage& neighbor = model.images[other];
             SideBySide pair;
-            count(seen, view.points, *views[other].camera, model.images[other], 1, pair);
+            count(view.points, model.cameras.at(neighbor.camera), neighbor, 1, pair);
             // Both ways together more are asked for.
             return 2 * pair.expected >= options.min_expected &&
                    pair.shared_part() <= max_shared_part;

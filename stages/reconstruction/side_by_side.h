@@ -43,7 +43,7 @@ std::vector<SideBySide> count_all_points(const Reconstruction& model, const Plac
 /// alone. What find_side_by_side() would say of them at a fraction of the cost, erring towards
 /// true. Deterministic. Thread-safe.
 /// @param seen  points, among them all that the images observe
-bool stand_beside_strangers(const Reconstruction& model, std::span<const ScenePoint> seen,
+bool stand_beside_strangers(const Reconstruction& model, const ScenePoints& seen,
                             std::span<const ImageId> images, double max_shared_part,
                             const PlaceOptions& options);
 

@@ -139,7 +139,7 @@ Result<bool> adjust_joint(WorkingModel& model, const Recycling& recycling,
     const auto closed =
         close_open_loops(model, problem, graph, options, cancel, attempt.statistics);
     if (!closed.ok()) return closed.error();
-    auto places = separate_places(model.save(), problem.pairs, options.places);
+    auto places = separate_places(model.save(), pairs_of(problem), options.places);
     if (!places.empty()) {
         finish(attempt, model, graph, options);
         attempt.places = std::move(places);
@@ -251,8 +251,10 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const ClusterProblem&
                                                            const Reconstruction& model,
                                                            WaitReason if_no_model) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
+    auto placed = model.images.begin();  // both ascend
     for (const ClusterImage& image : problem.images) {
-        if (model.find(image.id) != nullptr) continue;
+        while (placed != model.images.end() && placed->image < image.id) ++placed;
+        if (placed != model.images.end() && placed->image == image.id) continue;
         waiting.emplace_back(image.id,
                              model.empty() ? if_no_model : WaitReason::kRegistrationFailed);
     }
@@ -261,7 +263,7 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const ClusterProblem&
 
 double mean_error_px(const Reconstruction& model) {
     double sum = 0.0;
-    for (const ScenePoint& point : model.points) sum += point.error_px;
+    for (const PointBlockPtr& block : model.points.blocks()) sum += block->sum_error_px();
     return model.points.empty() ? 0.0 : sum / static_cast<double>(model.points.size());
 }
 
@@ -283,7 +285,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     attempt.statistics.mean_error_px = mean_error_px(attempt.model);
     solution.waiting = waiting_images(problem, attempt.model, reason);
     if (!attempt.places) {
-        attempt.places = separate_places(attempt.model, problem.pairs, options.places);
+        attempt.places = separate_places(attempt.model, pairs_of(problem), options.places);
         attempt.state.images_at_places = static_cast<std::uint32_t>(attempt.model.images.size());
         attempt.state.has_strangers = false;
     }

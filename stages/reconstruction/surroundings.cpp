@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <numeric>
 #include <utility>
 
-#include "stages/reconstruction/in_parallel.h"
 #include "stages/reconstruction/local_numbers.h"
 
 namespace psfm {
 namespace {
 
-constexpr std::size_t kPointsATask = 4096;
 /// A part with more of the points than this saves nothing. Ours.
 constexpr double kMostPoints = 0.75;
 
@@ -27,40 +24,83 @@ std::vector<Role> new_images_and_neighbors(const ClusterProblem& problem,
     std::vector<Role> roles(problem.images.size(), Role::kNew);
     for (const RegisteredImage& image : problem.recycled.front()->images)
         roles[numbers.of(image.image)] = Role::kOutside;
-    for (const VerifiedPairPtr& pair : problem.pairs) {
-        Role& first = roles[numbers.of(pair->pair.first)];
-        Role& second = roles[numbers.of(pair->pair.second)];
-        if (first == Role::kNew && second == Role::kOutside) second = Role::kNeighbor;
-        if (second == Role::kNew && first == Role::kOutside) first = Role::kNeighbor;
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+        if (roles[i] != Role::kNew) continue;
+        for (const ViewGraph::Edge& edge : problem.view_graph.edges(problem.images[i].id)) {
+            const auto neighbor = numbers.find(edge.neighbor);
+            if (neighbor && roles[*neighbor] == Role::kOutside) roles[*neighbor] = Role::kNeighbor;
+        }
     }
     return roles;
 }
 
-/// Points that a neighbour sees, by position in the model.
-std::vector<std::uint8_t> points_of_neighbors(const Reconstruction& model,
-                                              const LocalNumbers& numbers,
-                                              const std::vector<Role>& roles) {
-    std::vector<std::uint8_t> is_inside(model.points.size(), 0);
-    in_parallel(model.points.size(), kPointsATask, [&](std::size_t p) {
-        is_inside[p] = std::ranges::any_of(model.points[p].track, [&](const Observation& seen) {
-            return roles[numbers.of(seen.image)] == Role::kNeighbor;
-        });
-    });
-    return is_inside;
+/// The view graph's edges among new images and neighbours, ascending.
+std::vector<VerifiedPairPtr> pairs_inside(const ClusterProblem& problem,
+                                          const LocalNumbers& numbers,
+                                          const std::vector<Role>& roles) {
+    std::vector<VerifiedPairPtr> pairs;
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+        if (roles[i] < Role::kNeighbor) continue;
+        const ImageId image = problem.images[i].id;
+        for (const ViewGraph::Edge& edge : problem.view_graph.edges(image)) {
+            const auto neighbor = numbers.find(edge.neighbor);
+            if (edge.neighbor > image && neighbor && roles[*neighbor] >= Role::kNeighbor)
+                pairs.push_back(edge.pair);
+        }
+    }
+    return pairs;
 }
 
-/// The model's images in the part, with all cameras: a new image may share one with others.
-Reconstruction part_of(const Reconstruction& model, const std::vector<std::uint8_t>& is_inside,
-                       const LocalNumbers& numbers, const std::vector<Role>& roles) {
-    Reconstruction part;
-    part.cameras = model.cameras;
+/// Blocks of points that an image of this role or a closer one sees some of, ascending.
+std::vector<std::size_t> blocks_seen_from(Role least, const ScenePoints& points,
+                                          const LocalNumbers& numbers,
+                                          const std::vector<Role>& roles) {
+    std::vector<std::size_t> seen;
+    for (std::size_t b = 0; b < points.blocks().size(); ++b) {
+        const bool is_seen = std::ranges::any_of(points.blocks()[b]->images(), [&](ImageId image) {
+            return roles[numbers.of(image)] >= least;
+        });
+        if (is_seen) seen.push_back(b);
+    }
+    return seen;
+}
+
+/// The points that a neighbour sees.
+struct InsidePoints {
+    std::vector<ScenePoint> points;
+    std::vector<std::uint8_t> is_inside;  ///< by point of the model
+};
+
+InsidePoints points_of_neighbors(const ScenePoints& all, const LocalNumbers& numbers,
+                                 const std::vector<Role>& roles) {
+    InsidePoints inside{{}, std::vector<std::uint8_t>(all.size(), 0)};
+    for (const std::size_t b : blocks_seen_from(Role::kNeighbor, all, numbers, roles)) {
+        std::size_t number = all.first_of(b);
+        for (const ScenePoint& point : all.blocks()[b]->points()) {
+            const bool is_inside = std::ranges::any_of(point.track, [&](const Observation& seen) {
+                return roles[numbers.of(seen.image)] == Role::kNeighbor;
+            });
+            if (is_inside) inside.points.push_back(point);
+            inside.is_inside[number++] = is_inside ? 1 : 0;
+        }
+    }
+    return inside;
+}
+
+/// The model's images in the part, with the part's cameras.
+Reconstruction part_of(const Reconstruction& model, std::vector<ScenePoint> points,
+                       const ClusterProblem& part, const LocalNumbers& numbers,
+                       const std::vector<Role>& roles) {
+    Reconstruction inside;
+    for (const auto& [id, accepted] : part.cameras) {
+        if (const auto found = model.cameras.find(id); found != model.cameras.end())
+            inside.cameras.insert(*found);
+    }
     for (const RegisteredImage& image : model.images) {
-        if (roles[numbers.of(image.image)] != Role::kOutside) part.images.push_back(image);
+        if (roles[numbers.of(image.image)] != Role::kOutside) inside.images.push_back(image);
     }
-    for (std::size_t p = 0; p < model.points.size(); ++p) {
-        if (is_inside[p] != 0) part.points.push_back(model.points[p]);
-    }
-    return part;
+    inside.points = std::move(points);
+    return inside;
 }
 
 }  // namespace
@@ -70,20 +110,18 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
     if (model.images.size() >= problem.images.size()) return std::nullopt;
     const LocalNumbers numbers(problem);
     std::vector<Role> roles = new_images_and_neighbors(problem, numbers);
-    Surroundings surroundings;
-    surroundings.is_inside = points_of_neighbors(model, numbers, roles);
-    const std::vector<std::uint8_t>& is_inside = surroundings.is_inside;
-    const auto inside = std::accumulate(is_inside.begin(), is_inside.end(), std::size_t{0});
-    if (static_cast<double>(inside) > kMostPoints * static_cast<double>(model.points.size()))
+    InsidePoints inside = points_of_neighbors(model.points, numbers, roles);
+    if (static_cast<double>(inside.points.size()) >
+        kMostPoints * static_cast<double>(model.points.size()))
         return std::nullopt;
-    for (std::size_t p = 0; p < model.points.size(); ++p) {
-        if (is_inside[p] == 0) continue;
-        for (const Observation& seen : model.points[p].track) {
+    for (const ScenePoint& point : inside.points) {
+        for (const Observation& seen : point.track) {
             Role& role = roles[numbers.of(seen.image)];
             if (role == Role::kOutside) role = Role::kObserver;
         }
     }
 
+    Surroundings surroundings;
     ClusterProblem& part = surroundings.problem;
     part.cluster = problem.cluster;
     part.topology = problem.topology;
@@ -92,22 +130,21 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
     part.fix_intrinsics = problem.fix_intrinsics;
     part.seed = problem.seed;
     for (std::size_t i = 0; i < roles.size(); ++i) {
+        if (roles[i] == Role::kOutside) continue;
         const ClusterImage& image = problem.images[i];
-        if (roles[i] == Role::kOutside) {
-            part.held_cameras.insert(image.camera);
-        } else {
-            part.images.push_back(image);
-            part.cameras.emplace(image.camera, problem.cameras.at(image.camera));
-        }
+        part.images.push_back(image);
+        part.cameras.emplace(image.camera, problem.cameras.at(image.camera));
     }
-    for (const VerifiedPairPtr& pair : problem.pairs) {
-        if (roles[numbers.of(pair->pair.first)] >= Role::kNeighbor &&
-            roles[numbers.of(pair->pair.second)] >= Role::kNeighbor)
-            part.pairs.push_back(pair);
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+        const CameraId camera = problem.images[i].camera;
+        if (roles[i] == Role::kOutside && part.cameras.contains(camera))
+            part.held_cameras.insert(camera);
     }
+    part.view_graph = ViewGraph(pairs_inside(problem, numbers, roles));
     part.recycled = problem.recycled;
-    part.recycled.front() =
-        std::make_shared<const Reconstruction>(part_of(model, is_inside, numbers, roles));
+    part.recycled.front() = std::make_shared<const Reconstruction>(
+        part_of(model, std::move(inside.points), part, numbers, roles));
+    surroundings.is_inside = std::move(inside.is_inside);
     return surroundings;
 }
 
@@ -119,13 +156,8 @@ Reconstruction put_back(const Reconstruction& whole, const Surroundings& surroun
     // Both ascend; where both have an image, the part's pose is the newer one.
     std::ranges::set_union(part.images, whole.images, std::back_inserter(result.images), {},
                            &RegisteredImage::image, &RegisteredImage::image);
-    std::vector<const ScenePoint*> points;
-    for (std::size_t p = 0; p < whole.points.size(); ++p) {
-        if (surroundings.is_inside[p] == 0) points.push_back(&whole.points[p]);
-    }
-    for (const ScenePoint& point : part.points) points.push_back(&point);
-    result.points.resize(points.size());
-    in_parallel(points.size(), kPointsATask, [&](std::size_t p) { result.points[p] = *points[p]; });
+    result.points = whole.points.without(surroundings.is_inside);
+    result.points.append(part.points);
     return result;
 }
 

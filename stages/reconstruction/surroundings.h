@@ -23,11 +23,12 @@ struct Surroundings {
 
 /// @param problem  with recycled models, the first of members only
 /// @return nothing when no member is new to it, or when the part would be most of the model
-/// Deterministic. Thread-safe. Cost: once through the cluster's edges and the model's tracks, and
-/// a copy of the part.
+/// Deterministic. Thread-safe. Cost: a look at each image and each block of points (PointBlock),
+/// and a copy of the part.
 std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& problem);
 
 /// The whole model with its part replaced: points outside as they were, then those of the part.
+/// Blocks of points that the part has none of are shared.
 /// @param part  as it became of `surroundings.problem`'s recycled model
 Reconstruction put_back(const Reconstruction& whole, const Surroundings& surroundings,
                         const Reconstruction& part);

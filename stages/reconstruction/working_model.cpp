@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <span>
 
 #include "stages/reconstruction/in_parallel.h"
 
@@ -54,13 +55,11 @@ void WorkingModel::append(const Reconstruction& model, const Sim3& cluster_from_
     }
 }
 
-void WorkingModel::take_points(const std::vector<ScenePoint>& points,
-                               const Sim3& cluster_from_model, const std::vector<bool>& taken) {
+void WorkingModel::take_points(const ScenePoints& points, const Sim3& cluster_from_model,
+                               const std::vector<bool>& taken) {
     const std::size_t before = points_.size();
     points_.resize(before + points.size());
-    in_parallel(points.size(), kPointsATask, [&](std::size_t i) {
-        const ScenePoint& point = points[i];
-        Point& loaded = points_[before + i];
+    const auto take = [&](const ScenePoint& point, Point& loaded) {
         loaded.track.reserve(point.track.size());
         for (const Observation& observation : point.track) {
             const auto local = numbers_.find(observation.image);
@@ -69,6 +68,10 @@ void WorkingModel::take_points(const std::vector<ScenePoint>& points,
         std::ranges::sort(loaded.track);
         loaded.position = cluster_from_model * point.position;
         if (loaded.track.size() == point.track.size()) loaded.error_px = point.error_px;
+    };
+    in_parallel(points.blocks().size(), [&](std::size_t b) {
+        std::size_t place = before + points.first_of(b);
+        for (const ScenePoint& point : points.blocks()[b]->points()) take(point, points_[place++]);
     });
     const auto first = points_.begin() + static_cast<std::ptrdiff_t>(before);
     points_.erase(std::remove_if(first, points_.end(),
@@ -101,16 +104,26 @@ Reconstruction WorkingModel::save() const {
     for (const Point& point : points_) {
         if (point.alive()) alive.push_back(&point);
     }
-    model.points.resize(alive.size());
-    in_parallel(alive.size(), kPointsATask, [&](std::size_t i) {
-        const Point& point = *alive[i];
-        ScenePoint& saved = model.points[i];
-        saved.position = point.position;
-        saved.track.reserve(point.track.size());
+    const auto saved = [&](const Point& point) {
+        ScenePoint result;
+        result.position = point.position;
+        result.track.reserve(point.track.size());
         for (const Feature& feature : point.track)
-            saved.track.push_back({image_id(feature.image), feature.feature});
-        saved.error_px = point.error_px ? *point.error_px : static_cast<float>(mean_error(point));
+            result.track.push_back({image_id(feature.image), feature.feature});
+        result.error_px = point.error_px ? *point.error_px : static_cast<float>(mean_error(point));
+        return result;
+    };
+    constexpr std::size_t kBlock = ScenePoints::kBlockPoints;
+    std::vector<PointBlockPtr> blocks((alive.size() + kBlock - 1) / kBlock);
+    in_parallel(blocks.size(), [&](std::size_t b) {
+        const std::size_t count = std::min(kBlock, alive.size() - b * kBlock);
+        std::vector<ScenePoint> points;
+        points.reserve(count);
+        for (const Point* point : std::span(alive).subspan(b * kBlock, count))
+            points.push_back(saved(*point));
+        blocks[b] = std::make_shared<const PointBlock>(std::move(points));
     });
+    for (PointBlockPtr& block : blocks) model.points.append(std::move(block));
     return model;
 }
 

@@ -115,7 +115,7 @@ class WorkingModel {
     }
 
   private:
-    void take_points(const std::vector<ScenePoint>& points, const Sim3& cluster_from_model,
+    void take_points(const ScenePoints& points, const Sim3& cluster_from_model,
                      const std::vector<bool>& taken);
     double mean_error(const Point& point) const;
     void link(const Feature& feature, std::uint32_t point);

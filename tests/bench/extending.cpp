@@ -32,9 +32,6 @@ void measure(const std::string& folder, int repeats) {
     for (const RegisteredImage& image : (*largest)->model->images) kept.push_back(image.image);
     const auto elsewhere = [&](ImageId image) { return !std::ranges::binary_search(kept, image); };
     std::erase_if(problem.images, [&](const ClusterImage& image) { return elsewhere(image.id); });
-    std::erase_if(problem.pairs, [&](const VerifiedPairPtr& pair) {
-        return elsewhere(pair->pair.first) || elsewhere(pair->pair.second);
-    });
     kept.pop_back();
     problem.recycled = {
         std::make_shared<const Reconstruction>(restricted_to(*(*largest)->model, kept))};

@@ -26,7 +26,7 @@ void measure(const std::string& folder, const std::string& reference, std::uint3
     const ClusterSolution solution = need(solve_cluster(problem, options));
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     const ModelEvaluation evaluation = compare_with_reference(*session, *solution.model, reference);
-    std::cout << problem.images.size() << " images, " << problem.pairs.size() << " edges, "
+    std::cout << problem.images.size() << " images, " << pairs_of(problem).size() << " edges, "
               << solution.model->images.size() << " placed, " << evaluation.outliers
               << " outliers, " << 100.0 * evaluation.position_relative << " % relative error, "
               << seconds << " s of processor time\n";

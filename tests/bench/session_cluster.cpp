@@ -56,14 +56,16 @@ void add_edges(const SessionReader& session, ClusterProblem& problem) {
         }
         select_edges(selection, graph, static_cast<ImageId>(i), pairs, {});
     }
+    std::vector<VerifiedPairPtr> edges;
     for (std::uint32_t i = 0; i < graph.size(); ++i) {
         for (const ViewGraph::Edge& edge : graph.edges(static_cast<ImageId>(i))) {
             if (index_of(edge.neighbor) < i) continue;
             VerifiedPair pair = *edge.pair;
             pair.pair = {problem.images[i].id, problem.images[index_of(edge.neighbor)].id};
-            problem.pairs.push_back(std::make_shared<const VerifiedPair>(std::move(pair)));
+            edges.push_back(std::make_shared<const VerifiedPair>(std::move(pair)));
         }
     }
+    problem.view_graph = ViewGraph(edges);
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ void read_points(std::string_view payload) {
     (void)psfm::points_belong_to(points->points, {});
     (void)psfm::each_feature_in_one_point(points->points);
     constexpr std::size_t kBefore = 20;
-    std::vector<psfm::ScenePoint> together(kBefore);
+    psfm::ScenePoints together = std::vector<psfm::ScenePoint>(kBefore);
     const std::size_t own = points->points.size();
-    if (psfm::apply(*std::move(points), together).ok())
+    if (psfm::apply(*points, together).ok())
         require(together.size() >= own && together.size() <= own + kBefore,
                 "points that were there are kept once at most");
 }

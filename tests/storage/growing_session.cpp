@@ -51,6 +51,7 @@ StoredSolution GrowingSession::next(std::shared_ptr<const Reconstruction> before
     model.cameras.begin()->second = random_camera(rng_);
     std::set<std::uint32_t> features;
     for (std::uint32_t feature = 0; feature < kMostPoints; ++feature) features.insert(feature);
+    std::vector<ScenePoint> points;
     std::size_t replaced = 0;
     for (std::size_t p = 0; p < before->points.size(); ++p) {
         // Few enough for the solution to be stored as changes.
@@ -58,13 +59,13 @@ StoredSolution GrowingSession::next(std::shared_ptr<const Reconstruction> before
         succession.replaced[p] = leaves ? 1 : 0;
         replaced += succession.replaced[p];
         if (succession.replaced[p] != 0) continue;
-        model.points.push_back(before->points[p]);
+        points.push_back(before->points[p]);
         features.erase(before->points[p].track.front().feature);
     }
     for (const std::uint32_t feature : features) {
-        if (model.images.size() >= 2)
-            model.points.push_back(random_point(model.images, feature, rng_));
+        if (model.images.size() >= 2) points.push_back(random_point(model.images, feature, rng_));
     }
+    model.points = std::move(points);
     StoredSolution solution;
     solution.cluster = ClusterId{0};
     solution.revision = revision_ + 1;

@@ -129,6 +129,7 @@ Reconstruction random_model(const std::vector<ImageId>& images, std::uint32_t fe
         if (!model.cameras.contains(camera)) model.cameras[camera] = random_camera(rng);
     }
     if (images.size() < 2) return model;
+    std::vector<ScenePoint> points;
     // Point k takes feature k of some of the images, so no feature is used twice.
     for (std::uint32_t feature = 0; feature < features; ++feature) {
         ScenePoint point;
@@ -139,8 +140,9 @@ Reconstruction random_model(const std::vector<ImageId>& images, std::uint32_t fe
             distinct(count, static_cast<std::uint32_t>(images.size()), rng);
         std::ranges::sort(seen);
         for (const std::uint32_t i : seen) point.track.push_back({images[i], feature});
-        model.points.push_back(std::move(point));
+        points.push_back(std::move(point));
     }
+    model.points = std::move(points);
     return model;
 }
 

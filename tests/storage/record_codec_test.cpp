@@ -12,6 +12,7 @@
 #include "storage/scene_records.h"
 #include "storage/solution_records.h"
 #include "tests/storage/random_values.h"
+#include "tests/synthetic/change_points.h"
 
 namespace psfm {
 namespace {
@@ -201,7 +202,9 @@ TEST(RecordCodec, PointsOfLargeModelsComeBackAlike) {
     EXPECT_TRUE(testing::same_points(decoded, model));
     for (const std::size_t wrong : {std::size_t{0}, std::size_t{8191}, std::size_t{20'000}}) {
         Reconstruction broken = model;
-        broken.points[wrong].error_px = std::numeric_limits<float>::quiet_NaN();
+        synthetic::change_points(broken, [&](std::vector<ScenePoint>& changed) {
+            changed[wrong].error_px = std::numeric_limits<float>::quiet_NaN();
+        });
         const auto refused = encode_points(broken, "{}");
         ASSERT_FALSE(refused.ok());
         EXPECT_NE(refused.error().message.find("point " + std::to_string(wrong) + " "),
@@ -338,10 +341,14 @@ TEST(RecordCodec, RefusesImpossibleSolutionsClustersAndScenes) {
     EXPECT_TRUE(broken([](Reconstruction& m) { m.cameras.erase(m.images[0].camera); }));
     EXPECT_TRUE(
         broken([](Reconstruction& m) { m.images[0].cam_from_cluster.translation.x() = kNaN; }));
-    EXPECT_TRUE(broken([](Reconstruction& m) { m.points[0].track.resize(1); }));
-    EXPECT_TRUE(broken([](Reconstruction& m) { m.points[0].position.z() = kNaN; }));
-    EXPECT_TRUE(broken([](Reconstruction& m) { m.points[0].track = m.points[1].track; }));
-    EXPECT_TRUE(broken([](Reconstruction& m) { m.points[0].track.back().image = ImageId{99}; }));
+    const auto broken_points = [&](const std::function<void(std::vector<ScenePoint>&)>& change) {
+        return broken([&](Reconstruction& m) { synthetic::change_points(m, change); });
+    };
+    EXPECT_FALSE(broken_points([](auto&) {}));
+    EXPECT_TRUE(broken_points([](auto& points) { points[0].track.resize(1); }));
+    EXPECT_TRUE(broken_points([](auto& points) { points[0].position.z() = kNaN; }));
+    EXPECT_TRUE(broken_points([](auto& points) { points[0].track = points[1].track; }));
+    EXPECT_TRUE(broken_points([](auto& points) { points[0].track.back().image = ImageId{99}; }));
 
     EXPECT_FALSE(encode_cluster({{ClusterId{1}, {}, 1, 0, 0, 0, {}, {}}, false}).ok());
     EXPECT_FALSE(

@@ -11,6 +11,7 @@
 #include "tests/storage/random_values.h"
 #include "tests/storage/raw_database.h"
 #include "tests/storage/test_session.h"
+#include "tests/synthetic/change_points.h"
 
 namespace psfm {
 namespace {
@@ -126,14 +127,18 @@ TEST(SolutionChain, IsOfSuccessorsOnly) {
     left.images.pop_back();
     for (std::size_t p = 0; p < left.points.size(); ++p)
         smaller.succession->replaced[p] = left.points[p].track.back().image == gone ? 1 : 0;
-    std::erase_if(left.points, [&](const ScenePoint& p) { return p.track.back().image == gone; });
+    synthetic::change_points(left, [&](std::vector<ScenePoint>& points) {
+        std::erase_if(points, [&](const ScenePoint& p) { return p.track.back().image == gone; });
+    });
     ASSERT_FALSE(left.points.empty());
     smaller.model = std::make_shared<const Reconstruction>(std::move(left));
     EXPECT_FALSE(stored_as_changes(*store, session, smaller));
 
     StoredSolution other = session.next();
     Reconstruction mostly_new = *other.model;
-    for (ScenePoint& point : mostly_new.points) point.position.x() += 1.0;
+    synthetic::change_points(mostly_new, [](std::vector<ScenePoint>& points) {
+        for (ScenePoint& point : points) point.position.x() += 1.0;
+    });
     other.model = std::make_shared<const Reconstruction>(std::move(mostly_new));
     other.succession->replaced.assign(other.succession->before->points.size(), 1);
     EXPECT_FALSE(stored_as_changes(*store, session, other));
@@ -305,9 +310,8 @@ TEST(SolutionChanges, HoldOnlyWhatDiffers) {
 
 TEST(SolutionChanges, ThatMakeNoModelAreDamaged) {
     const Reconstruction model = some_model(5, 2);
-    std::vector<ScenePoint> points = model.points;
     const auto refused = [&](std::vector<std::uint32_t> kept) {
-        std::vector<ScenePoint> base = points;
+        ScenePoints base = model.points;
         const auto applied = apply(SolutionPoints{{}, "", 1, std::move(kept)}, base);
         return !applied && applied.error().code == ErrorCode::kDamaged;
     };

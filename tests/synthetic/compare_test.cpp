@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/synthetic/change_points.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm::synthetic {
@@ -138,11 +139,13 @@ TEST(CompareWithTruth, SeesOneImageThatIsOff) {
 TEST(CompareWithTruth, SeesMovedPointsAndMixedTracks) {
     const SyntheticScene scene = make_scene(ring_around_sphere(8), 1);
     Reconstruction model = true_reconstruction(scene);
-    for (ScenePoint& point : model.points) point.position += Eigen::Vector3d(0.0, 0.0, 0.25);
-    std::swap(model.points[0].track[0].feature, model.points[1].track[0].feature);
-    model.points[0].track[0].image = model.points[1].track[0].image = ImageId{0};
-    model.points[0].track[0].feature = 0;
-    model.points[1].track[0].feature = 1;
+    change_points(model, [](std::vector<ScenePoint>& points) {
+        for (ScenePoint& point : points) point.position += Eigen::Vector3d(0.0, 0.0, 0.25);
+        std::swap(points[0].track[0].feature, points[1].track[0].feature);
+        points[0].track[0].image = points[1].track[0].image = ImageId{0};
+        points[0].track[0].feature = 0;
+        points[1].track[0].feature = 1;
+    });
     const auto error = compare_with_truth(model, scene);
     ASSERT_TRUE(error.ok());
     EXPECT_NEAR(error->median_point, 0.25, 1e-9);

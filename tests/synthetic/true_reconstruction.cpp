@@ -18,6 +18,7 @@ Reconstruction true_reconstruction(const SyntheticScene& scene, const Sim3& clus
             {id, image.camera, transform_pose(image.cam_from_world, cluster_from_world)});
         result.cameras.emplace(image.camera, scene.cameras.at(image.camera));
     }
+    std::vector<ScenePoint> points;
     const std::vector<std::vector<Observation>> all_tracks = tracks(scene);
     for (std::size_t i = 0; i < all_tracks.size(); ++i) {
         ScenePoint point;
@@ -27,8 +28,9 @@ Reconstruction true_reconstruction(const SyntheticScene& scene, const Sim3& clus
                              });
         if (point.track.size() < 2) continue;
         point.position = cluster_from_world * scene.points[i].position;
-        result.points.push_back(std::move(point));
+        points.push_back(std::move(point));
     }
+    result.points = std::move(points);
     return result;
 }
 

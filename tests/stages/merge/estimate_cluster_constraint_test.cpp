@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "tests/stages/merge/cut_scene.h"
+#include "tests/synthetic/change_points.h"
 
 namespace psfm {
 namespace {
@@ -75,11 +76,13 @@ TEST(EstimateClusterConstraint, ToleratesUncertainDepths) {
     Pair pair = pair_of(cut);
     synthetic::Rng rng(4);
     for (Reconstruction* model : {&pair.a, &pair.b}) {
-        for (ScenePoint& point : model->points) {
-            const Eigen::Vector3d centre =
-                model->find(point.track.front().image)->cam_from_cluster.target_origin_in_source();
-            point.position += 0.005 * rng.normal() * (point.position - centre);
-        }
+        synthetic::change_points(*model, [&](std::vector<ScenePoint>& points) {
+            for (ScenePoint& point : points) {
+                const RegisteredImage& image = *model->find(point.track.front().image);
+                const Eigen::Vector3d centre = image.cam_from_cluster.target_origin_in_source();
+                point.position += 0.005 * rng.normal() * (point.position - centre);
+            }
+        });
     }
     const ClusterConstraint found = pair.estimate();
     ASSERT_TRUE(found.accepted()) << describe(found.verdict);
@@ -123,7 +126,7 @@ TEST(EstimateClusterConstraint, SaysWhyNot) {
     Pair pair = pair_of(cut);
     EXPECT_EQ(Pair({pair.a, pair.b, {}}).estimate().verdict, ConstraintVerdict::kNoEdges);
     Pair without_points = pair;
-    without_points.a.points.clear();
+    without_points.a.points = {};
     EXPECT_EQ(without_points.estimate().verdict, ConstraintVerdict::kNoEdges);
     // Points that agree on nothing.
     Pair shaken = pair;
@@ -131,7 +134,9 @@ TEST(EstimateClusterConstraint, SaysWhyNot) {
     std::vector<Eigen::Vector3d> positions;
     for (const ScenePoint& point : shaken.b.points) positions.push_back(point.position);
     rng.shuffle(positions);
-    for (std::size_t k = 0; k < positions.size(); ++k) shaken.b.points[k].position = positions[k];
+    synthetic::change_points(shaken.b, [&](std::vector<ScenePoint>& points) {
+        for (std::size_t k = 0; k < positions.size(); ++k) points[k].position = positions[k];
+    });
     EXPECT_EQ(shaken.estimate().verdict, ConstraintVerdict::kNoSimilarity);
     ClusterConstraintOptions strict;
     strict.min_pair_inliers = 1000000;
@@ -177,7 +182,9 @@ TEST(EstimateClusterConstraint, WhatIsTakenOverIsWhatWouldBeEstimated) {
         Reconstruction& model = rng.below(2) == 0 ? pair.a : pair.b;
         switch (rng.below(5)) {
             case 0:  // one point moves
-                model.points[rng.below(model.points.size())].position += 0.01 * rng.normal3();
+                synthetic::change_points(model, [&](std::vector<ScenePoint>& points) {
+                    points[rng.below(points.size())].position += 0.01 * rng.normal3();
+                });
                 break;
             case 1:  // one camera turns
                 model.images[rng.below(model.images.size())].cam_from_cluster.rotation *=

@@ -36,7 +36,7 @@ class CalibrateShared : public testing::Test {
         problem_ = problem_of(scene_, synthetic::make_verified_pairs(scene_), believed_,
                               scene_.images.size());
         graph_.cameras = believed_;
-        graph_.pairs = problem_.pairs;
+        graph_.pairs = pairs_of(problem_);
     }
 
     std::map<CameraId, Camera> calibrate(const SolveOptions& options = {}) const {

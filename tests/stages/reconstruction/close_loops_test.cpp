@@ -78,7 +78,7 @@ class CloseLoops : public ::testing::Test {
 
     void load() {
         graph_ = std::make_unique<LocalGraph>();
-        graph_->pairs = problem_.pairs;
+        graph_->pairs = pairs_of(problem_);
         matches_ = std::make_unique<CorrespondenceGraph>(correspondences_of(problem_, *graph_));
         model_ = std::make_unique<WorkingModel>(problem_, *matches_);
         model_->load(*start_);
@@ -198,7 +198,7 @@ class WrongLoops : public CloseLoops {
   protected:
     void SetUp() override {
         make(0.0, 0.0);
-        std::vector<VerifiedPairPtr> pairs = problem_.pairs;
+        std::vector<VerifiedPairPtr> pairs = pairs_of(problem_);
         for (std::uint32_t i = 0; i < 20; ++i) {
             const ImagePair ends{static_cast<ImageId>(i), static_cast<ImageId>(i + kImages / 2)};
             if (std::ranges::find(pairs, ends, [](const auto& pair) { return pair->pair; }) !=
@@ -209,8 +209,8 @@ class WrongLoops : public CloseLoops {
             pairs.push_back(std::make_shared<const VerifiedPair>(std::move(wrong)));
         }
         std::ranges::sort(pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
-        ASSERT_GT(pairs.size(), problem_.pairs.size() + 5);
-        problem_.pairs = std::move(pairs);
+        ASSERT_GT(pairs.size(), pairs_of(problem_).size() + 5);
+        problem_.view_graph = ViewGraph(pairs);
         load();
         options_.loops.min_open_edges = 5;
         ASSERT_GE(open_edges(), options_.loops.min_open_edges);

@@ -24,7 +24,7 @@ TEST(CorrespondenceGraph, WhatWasForgottenIsGatheredAgain) {
     const SceneModel scene(synthetic::make_scene(synthetic::ring_around_sphere(8), 3));
     const auto matches = all_matches(*scene.matches);
     std::size_t inliers = 0;
-    for (const VerifiedPairPtr& pair : scene.problem.pairs)
+    for (const VerifiedPairPtr& pair : pairs_of(scene.problem))
         inliers += pair->geometry.inliers.size();
     EXPECT_EQ(matches.size(), 2 * inliers);
     scene.matches->forget();

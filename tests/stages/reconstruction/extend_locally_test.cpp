@@ -69,7 +69,7 @@ TEST(Surroundings, HoldAllThatNeighboursSee) {
     const ClusterProblem& part = surroundings->problem;
     const Reconstruction& whole = *problem.recycled.front();
     std::vector<ImageId> neighbors;
-    for (const VerifiedPairPtr& pair : problem.pairs) {
+    for (const VerifiedPairPtr& pair : pairs_of(problem)) {
         if (pair->pair.first == kNew) neighbors.push_back(pair->pair.second);
         if (pair->pair.second == kNew) neighbors.push_back(pair->pair.first);
     }
@@ -92,7 +92,7 @@ TEST(Surroundings, HoldAllThatNeighboursSee) {
     EXPECT_FALSE(is_member(kFar));
     EXPECT_GT(part.images.size(), neighbors.size() + 1) << "observers that are no neighbours";
     neighbors.push_back(kNew);
-    for (const VerifiedPairPtr& pair : part.pairs) {
+    for (const VerifiedPairPtr& pair : pairs_of(part)) {
         EXPECT_NE(std::ranges::find(neighbors, pair->pair.first), neighbors.end());
         EXPECT_NE(std::ranges::find(neighbors, pair->pair.second), neighbors.end());
     }
@@ -139,8 +139,9 @@ TEST(ExtendLocally, IsWhatALargeModelIsSolvedBy) {
     const auto local = extended(problem, locally_from(20));
     const auto solution = solve_cluster(problem, locally_from(20));
     ASSERT_TRUE(local && solution.ok());
-    EXPECT_EQ(solution->model->points.size(), local->model.points.size());
-    EXPECT_EQ(solution->model->points.back().track, local->model.points.back().track)
+    const ScenePoints& points = solution->model->points;
+    ASSERT_EQ(points.size(), local->model.points.size());
+    EXPECT_EQ(points[points.size() - 1].track, local->model.points[points.size() - 1].track)
         << "points that the image sees come last";
     EXPECT_TRUE(solution->waiting.empty());
 }
@@ -177,7 +178,7 @@ TEST(ExtendLocally, TellsWhatOfTheModelIsAsItWas) {
     ASSERT_TRUE(solution.ok());
     ASSERT_TRUE(solution->succession);
     EXPECT_EQ(solution->succession->before, problem.recycled.front());
-    const std::vector<ScenePoint>& before = problem.recycled.front()->points;
+    const ScenePoints& before = problem.recycled.front()->points;
     ASSERT_EQ(solution->succession->replaced.size(), before.size());
     std::size_t kept = 0;
     for (std::size_t p = 0; p < before.size(); ++p) {
@@ -243,7 +244,8 @@ TEST(ExtendLocally, JoinsAModelWithoutCommonPointsOnceSomeOfItsImagesAreThere) {
     for (std::uint32_t image = 16; image < kImages; ++image) second.push_back(ImageId{image});
     ClusterProblem problem = problem_without(scene, second);
     problem.recycled.push_back(without_points_beyond(
-        synthetic::true_reconstruction(scene, synthetic::random_gauge(6), second), problem.pairs));
+        synthetic::true_reconstruction(scene, synthetic::random_gauge(6), second),
+        pairs_of(problem)));
     SolveOptions options = locally_from(10);
     options.eta_grow = 1.0;
     const auto local = extended(problem, options);
@@ -284,7 +286,9 @@ TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
     ClusterProblem left = problem_without(scene, {kNew, ImageId{27}});
     ASSERT_TRUE(extended(left, locally_from(20)));
     std::erase_if(left.images, [](const ClusterImage& image) { return image.id == kFar; });
-    std::erase_if(left.pairs, [](const VerifiedPairPtr& pair) { return pair->pair.first == kFar; });
+    std::vector<VerifiedPairPtr> pairs = pairs_of(left);
+    std::erase_if(pairs, [](const VerifiedPairPtr& pair) { return pair->pair.first == kFar; });
+    left.view_graph = ViewGraph(pairs);
     EXPECT_FALSE(extended(left, locally_from(20))) << "an image has left";
 }
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/synthetic/change_points.h"
+
 namespace psfm {
 namespace {
 
@@ -15,7 +17,7 @@ SolveAttempt attempt_of(std::uint32_t images, std::uint32_t edges, std::uint32_t
         attempt.model.images.push_back({ImageId{i}, CameraId{0}, {}});
         point.track.push_back({ImageId{i}, 0});
     }
-    attempt.model.points.assign(10, point);
+    attempt.model.points = std::vector<ScenePoint>(10, point);
     attempt.contradiction.angle_deg = beyond > 0 ? 60.0 : 2.0;
     attempt.contradiction.edges = edges;
     attempt.contradiction.beyond = beyond;
@@ -62,9 +64,9 @@ TEST(IsBetter, InPlaceOfABadModelContradictsLessAndExplainsAsMuch) {
     EXPECT_TRUE(is_better(attempt_of(16, 100, 0), old, kReason, {}));
     EXPECT_FALSE(is_better(attempt_of(15, 100, 0), old, kReason, {})) << "loses images";
     SolveAttempt ruin = attempt_of(20, 100, 0);
-    ruin.model.points.resize(8);
+    synthetic::change_points(ruin.model, [](auto& points) { points.resize(8); });
     EXPECT_TRUE(is_better(ruin, old, kReason, {}));
-    ruin.model.points.resize(7);
+    synthetic::change_points(ruin.model, [](auto& points) { points.resize(7); });
     EXPECT_FALSE(is_better(ruin, old, kReason, {})) << "loses structure";
 }
 

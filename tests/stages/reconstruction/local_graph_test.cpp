@@ -48,7 +48,8 @@ ClusterProblem folded_problem(std::set<ImagePair>& wrong) {
     const auto scene = synthetic::make_scene(synthetic::ring_around_sphere(12), 3);
     ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()));
-    for (VerifiedPairPtr& pair : problem.pairs) {
+    std::vector<VerifiedPairPtr> pairs = pairs_of(problem);
+    for (VerifiedPairPtr& pair : pairs) {
         VerifiedPair changed = *pair;
         TwoViewGeometry& geometry = changed.geometry;
         geometry.inliers.resize(std::min<std::size_t>(geometry.inliers.size(), 60));
@@ -67,10 +68,11 @@ ClusterProblem folded_problem(std::set<ImagePair>& wrong) {
         pair = std::make_shared<const VerifiedPair>(changed);
     }
     std::size_t right = 0;
-    std::erase_if(problem.pairs, [&](const VerifiedPairPtr& pair) {
+    std::erase_if(pairs, [&](const VerifiedPairPtr& pair) {
         const bool across = index_of(pair->pair.first) < 6 && index_of(pair->pair.second) >= 6;
         return across && !wrong.contains(pair->pair) && ++right > 3;
     });
+    problem.view_graph = ViewGraph(pairs);
     return problem;
 }
 

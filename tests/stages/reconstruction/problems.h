@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "stages/reconstruction/cluster_problem.h"
+#include "tests/synthetic/change_points.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm {
@@ -30,7 +31,7 @@ inline ClusterProblem problem_of(const synthetic::SyntheticScene& scene,
     std::erase_if(pairs, [&](const VerifiedPairPtr& pair) {
         return index_of(pair->pair.second) >= image_count;
     });
-    problem.pairs = std::move(pairs);
+    problem.view_graph = ViewGraph(pairs);
     return problem;
 }
 
@@ -52,11 +53,12 @@ inline std::shared_ptr<const Reconstruction> without_points_beyond(
         }
     }
     Reconstruction left = model;
-    std::erase_if(left.points, [&](const ScenePoint& point) {
+    const auto leads_out = [&](const ScenePoint& point) {
         return std::ranges::any_of(point.track, [&](const Observation& observation) {
             return leading_out.contains(observation);
         });
-    });
+    };
+    synthetic::change_points(left, [&](auto& points) { std::erase_if(points, leads_out); });
     return std::make_shared<const Reconstruction>(std::move(left));
 }
 

@@ -9,6 +9,7 @@
 
 #include "stages/reconstruction/solve_cluster.h"
 #include "tests/stages/reconstruction/problems.h"
+#include "tests/synthetic/change_points.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/disturb.h"
 #include "tests/synthetic/verified_pairs.h"
@@ -123,8 +124,10 @@ TEST(RecycleModels, AddsTheImagesOfABrokenModelOneByOne) {
     Reconstruction broken = *model_of(scene, range(9, 16), 31);
     std::mt19937_64 rng(3);
     std::normal_distribution<double> normal;
-    for (ScenePoint& point : broken.points)
-        point.position += Eigen::Vector3d(normal(rng), normal(rng), normal(rng)) * 5.0;
+    synthetic::change_points(broken, [&](std::vector<ScenePoint>& points) {
+        for (ScenePoint& point : points)
+            point.position += Eigen::Vector3d(normal(rng), normal(rng), normal(rng)) * 5.0;
+    });
     const auto solution =
         solve_cluster(ring_problem(scene, {model_of(scene, range(0, 9), 32),
                                            std::make_shared<const Reconstruction>(broken)}),
@@ -166,7 +169,7 @@ ModelPtr folded_model(const SyntheticScene& scene) {
     Reconstruction model = synthetic::true_reconstruction(scene, Sim3{}, range(0, 8));
     const Reconstruction other = synthetic::true_reconstruction(scene, fold, range(8, kImages));
     model.images.insert(model.images.end(), other.images.begin(), other.images.end());
-    model.points.insert(model.points.end(), other.points.begin(), other.points.end());
+    model.points.append(other.points);
     return std::make_shared<const Reconstruction>(std::move(model));
 }
 
@@ -289,13 +292,15 @@ TEST(RecycleModels, KeepsAnImageThatContradictsAsMuchWhenItIsPlacedAnew) {
     // All edges of one image agree on a rotation that its matches contradict.
     constexpr ImageId kWrong{6};
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
-    for (VerifiedPairPtr& pair : problem.pairs) {
+    std::vector<VerifiedPairPtr> pairs = pairs_of(problem);
+    for (VerifiedPairPtr& pair : pairs) {
         if (pair->pair.first != kWrong && pair->pair.second != kWrong) continue;
         VerifiedPair wrong = *pair;
         Eigen::Quaterniond& rotation = wrong.geometry.cam2_from_cam1.rotation;
         rotation = pair->pair.second == kWrong ? turn * rotation : rotation * turn.conjugate();
         pair = std::make_shared<const VerifiedPair>(wrong);
     }
+    problem.view_graph = ViewGraph(pairs);
     const auto kept = solve_cluster(problem, {});
     ASSERT_TRUE(kept.ok());
     EXPECT_FALSE(kept->statistics.reset) << "neither placed anew nor solved new is better";
@@ -329,7 +334,7 @@ TEST(RecycleModels, DoesNotSolveNewAgainWhatWasComparedBefore) {
 /// Three cameras of one point each: a model that nothing can be added to.
 ModelPtr model_that_cannot_grow(const SyntheticScene& scene) {
     Reconstruction model = *model_of(scene, range(0, 3), 61);
-    model.points.resize(1);
+    synthetic::change_points(model, [](std::vector<ScenePoint>& points) { points.resize(1); });
     return std::make_shared<const Reconstruction>(std::move(model));
 }
 

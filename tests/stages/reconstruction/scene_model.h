@@ -29,7 +29,7 @@ struct SceneModel {
             counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
             ids.push_back(image.id);
         }
-        matches = std::make_unique<CorrespondenceGraph>(ids, counts, problem.pairs);
+        matches = std::make_unique<CorrespondenceGraph>(ids, counts, pairs_of(problem));
         model = std::make_unique<WorkingModel>(problem, *matches);
         model->load(synthetic::true_reconstruction(scene, Sim3{}, ids));
     }

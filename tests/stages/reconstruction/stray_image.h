@@ -9,6 +9,7 @@
 
 #include "stages/reconstruction/find_adoptions.h"
 #include "tests/stages/merge/cut_scene.h"
+#include "tests/synthetic/change_points.h"
 
 namespace psfm::test {
 
@@ -24,13 +25,17 @@ struct StrayImage {
     explicit StrayImage(std::size_t points_of_first) {
         Reconstruction first = cut.model(0);
         std::erase_if(first.images, [](const auto& image) { return image.image == kStray; });
-        for (ScenePoint& point : first.points)
-            std::erase_if(point.track, [](const auto& o) { return o.image == kStray; });
-        std::erase_if(first.points, [](const auto& point) { return point.track.size() < 2; });
+        synthetic::change_points(first, [](std::vector<ScenePoint>& points) {
+            for (ScenePoint& point : points)
+                std::erase_if(point.track, [](const auto& o) { return o.image == kStray; });
+            std::erase_if(points, [](const auto& point) { return point.track.size() < 2; });
+        });
         problem.clusters[0].model = std::make_shared<const Reconstruction>(first);
         merged = *run_merge(problem, {});
         // Taken away after the merge, which needs them.
-        first.points.resize(std::min(first.points.size(), points_of_first));
+        synthetic::change_points(first, [&](std::vector<ScenePoint>& points) {
+            points.resize(std::min(points.size(), points_of_first));
+        });
         problem.clusters[0].model = std::make_shared<const Reconstruction>(first);
 
         const synthetic::SceneImage& image = cut.scene.images[index_of(kStray)];

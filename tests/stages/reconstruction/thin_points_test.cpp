@@ -42,7 +42,7 @@ struct RingModel {
         std::vector<std::uint32_t> counts;
         for (const ClusterImage& image : problem.images)
             counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
-        matches = std::make_unique<CorrespondenceGraph>(ids_of(problem), counts, problem.pairs);
+        matches = std::make_unique<CorrespondenceGraph>(ids_of(problem), counts, pairs_of(problem));
         model = std::make_unique<WorkingModel>(problem, *matches);
         model->load(synthetic::true_reconstruction(scene, Sim3{}, ids_of(problem)));
     }

@@ -56,14 +56,16 @@ Reconstruction reconstruction_of(const ExportedModel& model) {
         reconstruction.images.push_back(
             {ImageId{image.id - 1}, CameraId{image.camera_id - 1}, image.cam_from_world});
     }
+    std::vector<ScenePoint> points;
     for (const ExportedPoint& from : model.points) {
         ScenePoint point;
         point.position = from.position;
         for (const ExportedObservation& observation : from.track) {
             point.track.push_back({ImageId{observation.image_id - 1}, observation.keypoint});
         }
-        reconstruction.points.push_back(point);
+        points.push_back(point);
     }
+    reconstruction.points = std::move(points);
     return reconstruction;
 }
 

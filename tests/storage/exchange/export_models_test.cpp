@@ -38,7 +38,7 @@ std::shared_ptr<SceneCluster> cluster(std::uint32_t id, std::uint32_t first, std
              {Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), Eigen::Vector3d(i, 0, 1)}});
         point.track.push_back({image_id(i), 2});
     }
-    model->points.push_back(point);
+    model->points = std::vector{point};
     auto result = std::make_shared<SceneCluster>();
     result->id = static_cast<ClusterId>(id);
     result->model = model;

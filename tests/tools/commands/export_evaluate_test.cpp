@@ -115,7 +115,7 @@ class SessionCommands : public testing::Test {
             point.track.push_back({static_cast<ImageId>(i), id + 1});
             placement.members.push_back(static_cast<ImageId>(i));
         }
-        model->points.push_back(point);
+        model->points = std::vector{point};
         StoredCluster cluster{
             placement.cluster, placement.members, revision, revision, revision, 0, {}, {}};
         EXPECT_TRUE(

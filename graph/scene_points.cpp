@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "graph/scene_points.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace psfm {
+namespace {
+
+/// Images that see some of the points, ascending.
+std::vector<ImageId> images_that_see(std::span<const ScenePoint> points) {
+    // Most observations are of an image that was met just before: what is sorted is few.
+    constexpr std::size_t kRemembered = 1024;
+    std::vector<std::optional<ImageId>> met(kRemembered);
+    std::vector<ImageId> images;
+    for (const ScenePoint& point : points) {
+        for (const Observation& seen : point.track) {
+            std::optional<ImageId>& last = met[index_of(seen.image) % kRemembered];
+            if (last == seen.image) continue;
+            last = seen.image;
+            images.push_back(seen.image);
+        }
+    }
+    std::ranges::sort(images);
+    const auto repeated = std::ranges::unique(images);
+    images.erase(repeated.begin(), repeated.end());
+    return images;
+}
+
+}  // namespace
+
+PointBlock::PointBlock(std::vector<ScenePoint> points)
+    : points_(std::move(points)), images_(images_that_see(points_)) {
+    for (const ScenePoint& point : points_) sum_error_px_ += point.error_px;
+}
+
+ScenePoints::ScenePoints(std::vector<ScenePoint> points) {
+    if (points.size() <= kBlockPoints) {
+        append(std::make_shared<const PointBlock>(std::move(points)));
+        return;
+    }
+    for (std::size_t first = 0; first < points.size(); first += kBlockPoints) {
+        const auto from = points.begin() + static_cast<std::ptrdiff_t>(first);
+        const auto count = static_cast<std::ptrdiff_t>(std::min(kBlockPoints, points.size() - first));
+        append(std::make_shared<const PointBlock>(std::vector<ScenePoint>(
+            std::make_move_iterator(from), std::make_move_iterator(from + count))));
+    }
+}
+
+const ScenePoint& ScenePoints::operator[](std::size_t point) const {
+    const auto after = std::ranges::upper_bound(first_, point);
+    const auto block = static_cast<std::size_t>(after - first_.begin()) - 1;
+    return blocks_[block]->points()[point - first_[block]];
+}
+
+ScenePoints ScenePoints::without(std::span<const std::uint8_t> is_removed) const {
+    ScenePoints kept;
+    std::vector<ScenePoint> left;  // of blocks that cannot be shared
+    const auto end_block = [&] {
+        kept.append(std::make_shared<const PointBlock>(std::exchange(left, {})));
+    };
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        const std::vector<ScenePoint>& points = blocks_[b]->points();
+        const auto removed = is_removed.subspan(first_[b], points.size());
+        const bool is_whole = std::ranges::find(removed, std::uint8_t{1}) == removed.end();
+        // What is left of many blocks is not to become many small ones.
+        const bool is_small = points.size() < kBlockPoints / 2 && !left.empty();
+        if (is_whole && !is_small) {
+            if (!left.empty()) end_block();
+            kept.append(blocks_[b]);
+            continue;
+        }
+        for (std::size_t p = 0; p < points.size(); ++p) {
+            if (removed[p] == 0) left.push_back(points[p]);
+        }
+        if (left.size() >= kBlockPoints / 2) end_block();
+    }
+    if (!left.empty()) end_block();
+    return kept;
+}
+
+void ScenePoints::append(const ScenePoints& others) {
+    const std::size_t count = others.blocks_.size();  // they may be these
+    for (std::size_t b = 0; b < count; ++b) append(others.blocks_[b]);
+}
+
+ScenePoints ScenePoints::after(std::size_t count) const {
+    ScenePoints rest;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        const std::vector<ScenePoint>& points = blocks_[b]->points();
+        if (first_[b] >= count) {
+            rest.append(blocks_[b]);
+        } else if (first_[b + 1] > count) {
+            const auto cut = static_cast<std::ptrdiff_t>(count - first_[b]);
+            rest.append(std::vector<ScenePoint>(points.begin() + cut, points.end()));
+        }
+    }
+    return rest;
+}
+
+std::vector<ScenePoint> ScenePoints::to_vector() const {
+    return {begin(), end()};
+}
+
+void ScenePoints::append(PointBlockPtr block) {
+    if (block->points().empty()) return;
+    if (first_.empty()) first_.push_back(0);
+    first_.push_back(first_.back() + block->points().size());
+    blocks_.push_back(std::move(block));
+}
+
+}  // namespace psfm
