@@ -43,7 +43,8 @@ ScenePoints::ScenePoints(std::vector<ScenePoint> points) {
     }
     for (std::size_t first = 0; first < points.size(); first += kBlockPoints) {
         const auto from = points.begin() + static_cast<std::ptrdiff_t>(first);
-        const auto count = static_cast<std::ptrdiff_t>(std::min(kBlockPoints, points.size() - first));
+        const auto count =
+            static_cast<std::ptrdiff_t>(std::min(kBlockPoints, points.size() - first));
         append(std::make_shared<const PointBlock>(std::vector<ScenePoint>(
             std::make_move_iterator(from), std::make_move_iterator(from + count))));
     }

@@ -59,11 +59,13 @@ class ScenePoints {
     /// In order, over all blocks.
     class Iterator {
       public:
+        // NOLINTBEGIN(readability-identifier-naming): the standard library's names
         using iterator_category = std::forward_iterator_tag;
         using value_type = ScenePoint;
         using difference_type = std::ptrdiff_t;
         using pointer = const ScenePoint*;
         using reference = const ScenePoint&;
+        // NOLINTEND(readability-identifier-naming)
 
         Iterator() = default;
         Iterator(const PointBlockPtr* block, std::size_t point) : block_(block), point_(point) {}
@@ -87,9 +89,6 @@ class ScenePoints {
         const PointBlockPtr* block_ = nullptr;
         std::size_t point_ = 0;
     };
-    using value_type = ScenePoint;
-    using const_iterator = Iterator;
-
     ScenePoints() = default;
     /// Cut into blocks. Implicit: a list of points is what most models are made of.
     ScenePoints(std::vector<ScenePoint> points);  // NOLINT(google-explicit-constructor)

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "stages/reconstruction/open_edges.h"
 #include "stages/reconstruction/refine_model.h"
+#include "stages/reconstruction/rigid_groups.h"
 #include "stages/reconstruction/separate_places.h"
 
 namespace psfm {
@@ -23,8 +25,17 @@ constexpr double kStrain = 0.004;
 constexpr double kMaxTorn = 0.1;
 /// Loss scale of a pose graph to which hardly a residual is an outlier. Ours.
 constexpr double kQuadratic = 1.0;
+/// Images that move as one where nothing is strained. Raised: breaks are looked for at fewer
+/// places; lowered: slower. Ours.
+constexpr std::size_t kImagesAGroup = 16;
 /// Times that edges which stay open are left out before the others are asked once more. Ours.
 constexpr int kMaxPasses = 3;
+
+/// What pulls at a model's images.
+struct LoopEdges {
+    std::vector<PoseGraphEdge> open;
+    std::vector<PoseGraphEdge> holding;
+};
 
 /// How a model is moved to close its loops.
 struct Closing {
@@ -36,8 +47,7 @@ double residual_of(const PoseGraphEdge& edge, const std::vector<Sim3>& poses) {
     return pose_graph_residual(edge, poses[edge.a], poses[edge.b]);
 }
 
-std::vector<std::uint32_t> strained_images(const JudgedEdges& edges,
-                                           const std::vector<Sim3>& poses) {
+std::vector<std::uint32_t> strained_images(const LoopEdges& edges, const std::vector<Sim3>& poses) {
     std::vector<std::uint32_t> images;
     for (const PoseGraphEdge& edge : edges.holding) {
         if (residual_of(edge, poses) > kStrain) images.insert(images.end(), {edge.a, edge.b});
@@ -49,28 +59,47 @@ std::vector<std::uint32_t> strained_images(const JudgedEdges& edges,
     return images;
 }
 
+/// Poses along the strongest edges, so that what is wrong stays at few places, as where two models
+/// were joined. Images that hold together move as one at first, and each for itself where something
+/// is strained.
+Result<std::vector<Sim3>> solve_at_breaks(const LoopEdges& edges,
+                                          std::span<const PoseGraphEdge> all, std::size_t images,
+                                          PoseGraphOptions options) {
+    options.max_residual = std::numeric_limits<double>::max();
+    std::vector<std::uint8_t> is_alone(images, 0);
+    for (const PoseGraphEdge& edge : edges.open) is_alone[edge.a] = is_alone[edge.b] = 1;
+    std::vector<Sim3> poses;
+    for (const bool last : {false, true}) {
+        const RigidGroups groups = group_rigidly(edges.holding, is_alone, kImagesAGroup);
+        auto solved = solve_cluster_poses(groups.edges_between(all), groups.sizes, options);
+        if (!solved.ok()) return solved.error();
+        poses = groups.by_node(solved->component_from_cluster);
+        if (last) break;
+        std::vector<std::uint8_t> is_strained(groups.sizes.size(), 0);
+        for (const std::uint32_t image : strained_images(edges, poses))
+            is_strained[groups.group_of[image]] = 1;
+        for (std::size_t image = 0; image < images; ++image)
+            is_alone[image] |= is_strained[groups.group_of[image]];
+    }
+    return poses;
+}
+
 /// Poses of the images, each a frame of its own, that bring together what the open edges ask for.
-/// @param at_breaks  along the strongest edges, so that what is wrong stays at few places, as where
-///                   two models were joined; else a little of it everywhere, as after drift
-Result<std::vector<Sim3>> solve_poses(const JudgedEdges& edges, std::size_t images, bool at_breaks,
+/// @param at_breaks  at few places; else a little of it everywhere, as after drift
+Result<std::vector<Sim3>> solve_poses(const LoopEdges& edges, std::size_t images, bool at_breaks,
                                       const LoopOptions& options) {
     std::vector<PoseGraphEdge> all = edges.holding;
     all.insert(all.end(), edges.open.begin(), edges.open.end());
-    const std::vector<std::size_t> sizes(images, 1);
     PoseGraphOptions pose_graph;
     pose_graph.max_iterations = options.max_iterations;
-    if (!at_breaks) {
-        pose_graph.huber_scale = kQuadratic;
-        return refine_cluster_poses(all, sizes, std::vector<Sim3>(images), pose_graph);
-    }
-    pose_graph.max_residual = std::numeric_limits<double>::max();
-    auto solved = solve_cluster_poses(all, sizes, pose_graph);
-    if (!solved.ok()) return solved.error();
-    return std::move(solved->component_from_cluster);
+    if (at_breaks) return solve_at_breaks(edges, all, images, pose_graph);
+    pose_graph.huber_scale = kQuadratic;
+    const std::vector<std::size_t> sizes(images, 1);
+    return refine_cluster_poses(all, sizes, std::vector<Sim3>(images), pose_graph);
 }
 
 /// Nothing when too few edges close, or when these tear what holds.
-std::optional<Closing> find_closing(const WorkingModel& model, JudgedEdges edges, bool at_breaks,
+std::optional<Closing> find_closing(const WorkingModel& model, LoopEdges edges, bool at_breaks,
                                     const LoopOptions& options) {
     for (int pass = 0; pass < kMaxPasses && edges.open.size() >= options.min_open_edges; ++pass) {
         auto poses = solve_poses(edges, model.image_count(), at_breaks, options);
@@ -122,7 +151,9 @@ Result<std::uint32_t> close_loops(WorkingModel& model, const ClusterProblem& pro
                                   const std::atomic<bool>* cancel) {
     const LoopOptions& loops = options.loops;
     if (loops.min_open_edges == 0 || model.registered_count() < loops.min_images) return 0U;
-    const JudgedEdges edges = judge_edges(model, graph, loops);
+    LoopEdges edges{find_open_edges(model, graph, loops), {}};
+    if (edges.open.size() < loops.min_open_edges) return 0U;
+    edges.holding = find_holding_edges(model, graph, loops);
     auto closing = find_closing(model, edges, /*at_breaks=*/true, loops);
     if (!closing) closing = find_closing(model, edges, /*at_breaks=*/false, loops);
     if (!closing) return 0U;

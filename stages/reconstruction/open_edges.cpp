@@ -18,12 +18,6 @@ namespace {
 
 constexpr std::size_t kEdgesATask = 64;
 
-/// What the model's points say of an edge.
-struct Verdict {
-    enum class Kind : std::uint8_t { kNothing, kHolds, kOpen } kind = Kind::kNothing;
-    PoseGraphEdge edge;
-};
-
 double median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::ranges::nth_element(values, middle);
@@ -35,21 +29,72 @@ EdgeView view_of(const WorkingModel& model, std::uint32_t image) {
     return {model.pose(image), camera.fx() / std::max(camera.width, camera.height)};
 }
 
-/// The matches with points at both ends: where the first image's stands, and the second's.
+/// An edge between registered images, and the points that its matches belong to.
+struct Ends {
+    std::uint32_t first = 0;  ///< local numbers
+    std::uint32_t second = 0;
+    /// Of each match with points at both ends, that of the first image's feature and that of the
+    /// second's.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> points;
+    std::size_t shared = 0;  ///< matches of which they are one
+};
+
+/// Nothing when too few matches have points.
+std::optional<Ends> ends_of(const WorkingModel& model, const VerifiedPair& pair,
+                            const LoopOptions& options) {
+    Ends ends{model.numbers().of(pair.pair.first), model.numbers().of(pair.pair.second), {}, 0};
+    if (!model.registered(ends.first) || !model.registered(ends.second)) return std::nullopt;
+    for (const FeatureMatch& match : pair.geometry.inliers) {
+        const std::uint32_t p = model.point_of({ends.first, match.first});
+        const std::uint32_t q = model.point_of({ends.second, match.second});
+        if (p == WorkingModel::kNoPoint || q == WorkingModel::kNoPoint) continue;
+        if (p == q) ++ends.shared;
+        ends.points.emplace_back(p, q);
+    }
+    if (ends.points.size() < options.min_matches) return std::nullopt;
+    return ends;
+}
+
+bool holds(const Ends& ends, const LoopOptions& options) {
+    return static_cast<double>(ends.shared) >
+           options.max_shared_part * static_cast<double>(ends.points.size());
+}
+
+/// Where the first image's points stand, and the second's.
 EdgeCorrespondences points_of(const WorkingModel& model, const VerifiedPair& pair,
-                              std::uint32_t first, std::uint32_t second, std::size_t& shared) {
+                              const Ends& ends) {
     EdgeCorrespondences found;
     found.pair = pair.pair;
-    found.view_a = view_of(model, first);
-    found.view_b = view_of(model, second);
-    for (const FeatureMatch& match : pair.geometry.inliers) {
-        const std::uint32_t p = model.point_of({first, match.first});
-        const std::uint32_t q = model.point_of({second, match.second});
-        if (p == WorkingModel::kNoPoint || q == WorkingModel::kNoPoint) continue;
-        if (p == q) ++shared;
+    found.view_a = view_of(model, ends.first);
+    found.view_b = view_of(model, ends.second);
+    for (const auto& [p, q] : ends.points)
         found.points.push_back({model.points()[p].position, model.points()[q].position});
-    }
     return found;
+}
+
+/// An edge that asks for staying as one is, without its weight.
+PoseGraphEdge edge_at(const WorkingModel& model, const Ends& ends) {
+    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+    std::vector<double> depths;
+    depths.reserve(ends.points.size());
+    for (const auto& [p, q] : ends.points) {
+        const Eigen::Vector3d& position = model.points()[p].position;
+        anchor += position;
+        depths.push_back((position - model.centre(ends.first)).norm());
+    }
+    const auto count = static_cast<double>(ends.points.size());
+    return {ends.first, ends.second, Sim3{}, anchor / count, median(std::move(depths)), 1.0};
+}
+
+/// How far the two points of a match are apart over their depth, in the median.
+double gap_of(const WorkingModel& model, const EdgeCorrespondences& found, const Ends& ends) {
+    std::vector<double> gaps;
+    gaps.reserve(found.points.size());
+    for (const PointCorrespondence& point : found.points) {
+        gaps.push_back((point.in_b - point.in_a).norm() /
+                       (point.in_a - model.centre(ends.first)).norm());
+    }
+    return median(std::move(gaps));
 }
 
 /// The similarity that takes the first image's points to the second's; nothing where they agree on
@@ -63,46 +108,35 @@ std::optional<Sim3> relation_of(const EdgeCorrespondences& found) {
     return refine_sim3(std::span(&found, 1), robust->b_from_a, options.max_error);
 }
 
-Verdict judge(const WorkingModel& model, const VerifiedPair& pair, const LoopOptions& options) {
-    Verdict verdict;
-    const std::uint32_t first = model.numbers().of(pair.pair.first);
-    const std::uint32_t second = model.numbers().of(pair.pair.second);
-    if (!model.registered(first) || !model.registered(second)) return verdict;
-    std::size_t shared = 0;
-    const EdgeCorrespondences found = points_of(model, pair, first, second, shared);
-    if (found.points.size() < options.min_matches) return verdict;
-
-    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
-    std::vector<double> gaps;
-    std::vector<double> depths;
-    for (const PointCorrespondence& point : found.points) {
-        anchor += point.in_a;
-        depths.push_back((point.in_a - model.centre(first)).norm());
-        gaps.push_back((point.in_b - point.in_a).norm() / depths.back());
-    }
-    const auto count = static_cast<double>(found.points.size());
-    verdict.edge = {first, second, Sim3{}, anchor / count, median(depths), 1.0};
-    if (static_cast<double>(shared) > options.max_shared_part * count) {
-        verdict.kind = Verdict::Kind::kHolds;
-        verdict.edge.weight = static_cast<double>(shared);
-        return verdict;
-    }
-    if (median(gaps) < options.min_gap) return verdict;
+std::optional<PoseGraphEdge> open_edge(const WorkingModel& model, const VerifiedPair& pair,
+                                       const LoopOptions& options) {
+    const auto ends = ends_of(model, pair, options);
+    if (!ends || holds(*ends, options)) return std::nullopt;
+    const EdgeCorrespondences found = points_of(model, pair, *ends);
+    if (gap_of(model, found, *ends) < options.min_gap) return std::nullopt;
     const std::optional<Sim3> relation = relation_of(found);
-    if (!relation) return verdict;
-    verdict.kind = Verdict::Kind::kOpen;
-    verdict.edge.b_from_a = *relation;
-    verdict.edge.weight = count;
-    return verdict;
+    if (!relation) return std::nullopt;
+    PoseGraphEdge edge = edge_at(model, *ends);
+    edge.b_from_a = *relation;
+    edge.weight = static_cast<double>(ends->points.size());
+    return edge;
 }
 
-/// Of the edges that hold, those that are among the strongest of either image.
-std::vector<PoseGraphEdge> strongest_of_each(std::vector<PoseGraphEdge> edges, std::size_t images,
-                                             std::size_t per_image) {
-    std::vector<std::vector<std::pair<double, std::size_t>>> at(images);
+/// Common points of an edge that holds, by edge.
+struct Strength {
+    std::uint32_t first = 0;  ///< local numbers
+    std::uint32_t second = 0;
+    std::size_t shared = 0;  ///< 0: it does not hold
+};
+
+/// Edges that are among the strongest of either image, ascending.
+std::vector<std::size_t> strongest_of_each(const std::vector<Strength>& edges, std::size_t images,
+                                           std::size_t per_image) {
+    std::vector<std::vector<std::pair<std::size_t, std::size_t>>> at(images);
     for (std::size_t e = 0; e < edges.size(); ++e) {
-        for (const std::uint32_t image : {edges[e].a, edges[e].b})
-            at[image].emplace_back(edges[e].weight, e);
+        if (edges[e].shared == 0) continue;
+        for (const std::uint32_t image : {edges[e].first, edges[e].second})
+            at[image].emplace_back(edges[e].shared, e);
     }
     std::vector<std::uint8_t> is_kept(edges.size(), 0);
     for (auto& own : at) {
@@ -111,28 +145,42 @@ std::vector<PoseGraphEdge> strongest_of_each(std::vector<PoseGraphEdge> edges, s
         std::ranges::partial_sort(own, kept, std::ranges::greater());
         for (auto edge = own.begin(); edge != kept; ++edge) is_kept[edge->second] = 1;
     }
-    std::vector<PoseGraphEdge> strongest;
+    std::vector<std::size_t> strongest;
     for (std::size_t e = 0; e < edges.size(); ++e) {
-        if (is_kept[e] != 0) strongest.push_back(edges[e]);
+        if (is_kept[e] != 0) strongest.push_back(e);
     }
     return strongest;
 }
 
 }  // namespace
 
-JudgedEdges judge_edges(const WorkingModel& model, const LocalGraph& graph,
-                        const LoopOptions& options) {
-    std::vector<Verdict> verdicts(graph.pairs.size());
+std::vector<PoseGraphEdge> find_open_edges(const WorkingModel& model, const LocalGraph& graph,
+                                           const LoopOptions& options) {
+    std::vector<std::optional<PoseGraphEdge>> found(graph.pairs.size());
     in_parallel(graph.pairs.size(), kEdgesATask,
-                [&](std::size_t e) { verdicts[e] = judge(model, *graph.pairs[e], options); });
-    JudgedEdges judged;
-    for (const Verdict& verdict : verdicts) {
-        if (verdict.kind == Verdict::Kind::kHolds) judged.holding.push_back(verdict.edge);
-        if (verdict.kind == Verdict::Kind::kOpen) judged.open.push_back(verdict.edge);
+                [&](std::size_t e) { found[e] = open_edge(model, *graph.pairs[e], options); });
+    std::vector<PoseGraphEdge> open;
+    for (const auto& edge : found) {
+        if (edge) open.push_back(*edge);
     }
-    judged.holding =
-        strongest_of_each(std::move(judged.holding), model.image_count(), options.edges_per_image);
-    return judged;
+    return open;
+}
+
+std::vector<PoseGraphEdge> find_holding_edges(const WorkingModel& model, const LocalGraph& graph,
+                                              const LoopOptions& options) {
+    std::vector<Strength> strengths(graph.pairs.size());
+    in_parallel(graph.pairs.size(), kEdgesATask, [&](std::size_t e) {
+        const auto ends = ends_of(model, *graph.pairs[e], options);
+        if (ends && holds(*ends, options)) strengths[e] = {ends->first, ends->second, ends->shared};
+    });
+    const std::vector<std::size_t> strongest =
+        strongest_of_each(strengths, model.image_count(), options.edges_per_image);
+    std::vector<PoseGraphEdge> holding(strongest.size());
+    in_parallel(strongest.size(), kEdgesATask, [&](std::size_t k) {
+        holding[k] = edge_at(model, *ends_of(model, *graph.pairs[strongest[k]], options));
+        holding[k].weight = static_cast<double>(strengths[strongest[k]].shared);
+    });
+    return holding;
 }
 
 }  // namespace psfm

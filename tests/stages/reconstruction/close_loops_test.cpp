@@ -100,7 +100,7 @@ class CloseLoops : public ::testing::Test {
     }
 
     std::size_t open_edges() const {
-        return judge_edges(*model_, *graph_, options_.loops).open.size();
+        return find_open_edges(*model_, *graph_, options_.loops).size();
     }
 
     SyntheticScene scene_;
