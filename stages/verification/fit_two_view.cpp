@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "stages/verification/decompose_two_view.h"
 #include "stages/verification/refine_two_view.h"
@@ -110,7 +111,9 @@ TwoViewModel fit_pose(const TwoViewProblem& problem, const Rigid3& start, const 
         model.cam2_from_cam1 =
             refine_relative_pose(select(problem.pixels, model.inliers), problem.intrinsics,
                                  model.cam2_from_cam1, refine_options(options.refine_loss_px));
-        model.inliers = inliers_of_pose(problem, model.cam2_from_cam1, options.max_error_px);
+        const Indices refined_by = std::exchange(
+            model.inliers, inliers_of_pose(problem, model.cam2_from_cam1, options.max_error_px));
+        if (model.inliers == refined_by) break;
     }
     model.matrix = fundamental_from_pose(model.cam2_from_cam1, {}).normalized();
     return model;

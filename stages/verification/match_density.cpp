@@ -59,10 +59,22 @@ std::size_t count_in_hull(std::span<const Keypoint> keypoints,
     points.reserve(matched.size());
     for (const Eigen::Vector2d& point : matched)
         points.emplace_back(static_cast<float>(point.x()), static_cast<float>(point.y()));
-    std::vector<cv::Point2f> hull;
+    std::vector<cv::Point2f> hull;  // counter-clockwise, where y points up
     cv::convexHull(points, hull);
+    const auto [left, right] = std::ranges::minmax(hull, {}, &cv::Point2f::x);
+    const auto [top, bottom] = std::ranges::minmax(hull, {}, &cv::Point2f::y);
+    const auto is_beside = [](const cv::Point2f& a, const cv::Point2f& b, const Keypoint& point) {
+        return (double{b.x} - a.x) * (double{point.y} - a.y) <
+               (double{b.y} - a.y) * (double{point.x} - a.x);
+    };
     return static_cast<std::size_t>(std::ranges::count_if(keypoints, [&](const Keypoint& keypoint) {
-        return cv::pointPolygonTest(hull, {keypoint.x, keypoint.y}, false) >= 0.0;
+        if (keypoint.x < left.x || keypoint.x > right.x || keypoint.y < top.y ||
+            keypoint.y > bottom.y || is_beside(hull.back(), hull.front(), keypoint))
+            return false;
+        for (std::size_t i = 1; i < hull.size(); ++i) {
+            if (is_beside(hull[i - 1], hull[i], keypoint)) return false;
+        }
+        return true;
     }));
 }
 

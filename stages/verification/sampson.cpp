@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "stages/verification/sampson_kernel.h"
+
 namespace psfm {
 namespace {
 
@@ -41,32 +43,20 @@ double sampson_residual(const Eigen::Matrix3d& f, const PointPair& points) {
 
 SampsonSystem linearize_sampson(std::span<const PointPair> points, const Eigen::Matrix3d& f,
                                 double loss_scale) {
+    static const SampsonKernel kernel = available_sampson_kernels().front().run;
+    static_assert(sizeof(PointPair) == 4 * sizeof(double));
     const double squared_scale = loss_scale * loss_scale;
+    const double* const coordinates = points.empty() ? nullptr : points.front().x1.data();
+    const SampsonSums sums = kernel(coordinates, points.size(), f.data(), squared_scale);
     SampsonSystem system;
-    for (const PointPair& pair : points) {
-        const Eigen::Vector3d x1 = pair.x1.homogeneous();
-        const Eigen::Vector3d x2 = pair.x2.homogeneous();
-        const Terms terms = terms_of(f, x1, x2);
-        if (terms.squared_gradient < kTinyGradient) continue;
-        const double inverse_gradient = 1.0 / std::sqrt(terms.squared_gradient);
-        const double residual = terms.algebraic * inverse_gradient;
-        const double pull = residual * inverse_gradient * inverse_gradient;
-        // d residual / d f(i, j) = x2_i x1_j / g - residual / g^2 (line2_i x1_j [i < 2] + line1_j
-        // x2_i [j < 2]).
-        const Eigen::Vector3d left =
-            x2 * inverse_gradient - pull * Eigen::Vector3d(terms.line2.x(), terms.line2.y(), 0);
-        const Eigen::Vector3d top = pull * Eigen::Vector3d(terms.line1.x(), terms.line1.y(), 0);
-        Vector9d jacobian;
-        for (int column = 0; column < 3; ++column) {
-            jacobian.segment<3>(3 * column) = left * x1[column] - x2 * top[column];
-        }
-        const double squared = residual * residual;
-        const double weight = 1.0 / (1.0 + squared / squared_scale);
-        system.information.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
-        system.gradient += weight * residual * jacobian;
-        system.cost += cauchy_cost(squared, squared_scale);
+    std::size_t next = 0;
+    for (int row = 0; row < 9; ++row) {
+        for (int column = 0; column <= row; ++column, ++next)
+            system.information(row, column) = system.information(column, row) =
+                sums.information[next];
     }
-    system.information.triangularView<Eigen::StrictlyUpper>() = system.information.transpose();
+    system.gradient = Eigen::Map<const Vector9d>(sums.gradient.data());
+    system.cost = 0.5 * squared_scale * sums.log_cost;
     return system;
 }
 

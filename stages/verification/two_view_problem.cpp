@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <unordered_set>
 
 #include "stages/verification/decompose_two_view.h"
 
@@ -108,13 +107,15 @@ std::vector<FeatureMatch> feature_matches(const TwoViewProblem& problem,
                                           std::span<const std::uint32_t> indices) {
     std::vector<FeatureMatch> matches;
     matches.reserve(indices.size());
-    std::unordered_set<std::uint32_t> seen1;
-    std::unordered_set<std::uint32_t> seen2;
+    std::uint32_t last = 0;
+    for (const std::uint32_t i : indices)
+        last = std::max({last, problem.matches[i].first, problem.matches[i].second});
+    std::vector<bool> seen1(std::size_t{last} + 1, false);
+    std::vector<bool> seen2(std::size_t{last} + 1, false);
     for (const std::uint32_t i : indices) {
         const FeatureMatch& match = problem.matches[i];
-        if (seen1.contains(match.first) || seen2.contains(match.second)) continue;
-        seen1.insert(match.first);
-        seen2.insert(match.second);
+        if (seen1[match.first] || seen2[match.second]) continue;
+        seen1[match.first] = seen2[match.second] = true;
         matches.push_back(match);
     }
     return matches;
