@@ -12,6 +12,15 @@ const RegisteredImage* Reconstruction::find(ImageId image) const {
     return found != images.end() && found->image == image ? &*found : nullptr;
 }
 
+Succession compose(const Succession& first, const Succession& later) {
+    Succession whole = first;
+    std::size_t between = 0;  // points of the model between, which come in the order of the first
+    for (std::uint8_t& replaced : whole.replaced) {
+        if (replaced == 0) replaced = later.replaced[between++];
+    }
+    return whole;
+}
+
 Reconstruction restricted_to(const Reconstruction& model, std::span<const ImageId> keep) {
     const auto kept = [&](ImageId image) { return std::ranges::binary_search(keep, image); };
     Reconstruction part;

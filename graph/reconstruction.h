@@ -42,6 +42,10 @@ struct Succession {
     std::vector<std::uint8_t> replaced;  ///< by point of `before`: 1 where it is not in the new one
 };
 
+/// How a model followed from an earlier one by way of one between.
+/// REQUIRES: `later.before` is what `first` led to
+Succession compose(const Succession& first, const Succession& later);
+
 /// The part of a model that some images see: their poses, the cameras and points of these.
 /// @param keep  ascending
 Reconstruction restricted_to(const Reconstruction& model, std::span<const ImageId> keep);

@@ -233,8 +233,8 @@ std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     return taken;
 }
 
-const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
-                                         const ClusterSolution& solution, bool solved) {
+const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterSolution& solution,
+                                         bool solved) {
     const auto found = entries_.find(problem.cluster);
     if (found == entries_.end()) {
         ++coalesced_;
@@ -250,6 +250,12 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem,
         entry.material.insert(entry.material.begin(),
                               {entry.id, entry.revision + (current ? 1 : 0), solution.model});
         entry.material_state = solution.state;
+        std::optional<Succession>& succession = solution.succession;
+        if (succession && entry.to_outgrown && succession->before == entry.outgrown)
+            succession = compose(*entry.to_outgrown, *succession);
+        const bool is_outgrown = !current && succession && succession->before == entry.model;
+        entry.outgrown = is_outgrown ? solution.model : nullptr;
+        entry.to_outgrown = is_outgrown ? succession : std::nullopt;
     }
     if (!current) {
         ++coalesced_;

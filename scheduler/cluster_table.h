@@ -48,6 +48,10 @@ struct ClusterEntry {
     /// moved here together (paper sec. "Cluster Tracking and Recycling").
     std::vector<RecycledModel> material;
     SolveState material_state;  ///< of the own model
+    /// The own model in `material` where it is a result that the cluster had outgrown, and how it
+    /// follows from the published one; none: it is the published one, or does not.
+    std::shared_ptr<const Reconstruction> outgrown;
+    std::optional<Succession> to_outgrown;
     /// Stored solutions that the material came from since the last published model: what a process
     /// starts from that takes the session up again.
     std::vector<std::pair<ClusterId, std::uint32_t>> brought;
@@ -111,9 +115,10 @@ class ClusterTable {
 
     /// Takes over a result. @return the entry when the result became its published model; null when
     /// the cluster has changed or gone meanwhile (counted as coalesced)
+    /// @param solution  its succession, if any, is from the model published before, afterwards
     /// @param solved  false: the solve failed, and `solution` is what stands in for it; the next
     /// one starts from the same material
-    const ClusterEntry* finish(const ClusterProblem& problem, const ClusterSolution& solution,
+    const ClusterEntry* finish(const ClusterProblem& problem, ClusterSolution& solution,
                                bool solved = true);
 
     bool busy() const;  ///< something is dirty or being solved

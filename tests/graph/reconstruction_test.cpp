@@ -39,6 +39,19 @@ TEST(Reconstruction, EmptyOneHasNoImages) {
     EXPECT_FALSE(with_images({4}).empty());
 }
 
+TEST(Succession, ByWayOfAModelBetweenLeavesWhatNeitherReplaced) {
+    const auto before = std::make_shared<const Reconstruction>(with_images({1}));
+    const auto between = std::make_shared<const Reconstruction>(with_images({1, 2}));
+    // Of five points three are left, and two are new; then the second and the last of these go.
+    const Succession first{before, {0, 1, 0, 1, 0}};
+    const Succession later{between, {0, 1, 0, 0, 1}};
+    const Succession whole = compose(first, later);
+    EXPECT_EQ(whole.before, before);
+    EXPECT_EQ(whole.replaced, (std::vector<std::uint8_t>{0, 1, 1, 1, 0}));
+    EXPECT_EQ(compose(first, {between, {1, 1, 1, 0, 0}}).replaced,
+              (std::vector<std::uint8_t>{1, 1, 1, 1, 1}));
+}
+
 ScenePoint seen_by(const std::vector<std::uint32_t>& images) {
     ScenePoint point;
     for (const std::uint32_t image : images) {

@@ -27,7 +27,7 @@ TEST(ClusterTable, SolvesADirtyClusterOnce) {
     ASSERT_EQ(dirty.size(), 1U);
     EXPECT_TRUE(table.take_dirty().empty()) << "one solve in flight per cluster";
     EXPECT_TRUE(table.busy());
-    const Solve solve = solve_of(*dirty.front(), images({0, 1, 2}));
+    Solve solve = solve_of(*dirty.front(), images({0, 1, 2}));
     const ClusterEntry* published = table.finish(solve.problem, solve.solution);
     ASSERT_NE(published, nullptr);
     EXPECT_EQ(published->revision, 1U);
@@ -48,7 +48,7 @@ TEST(ClusterTable, AResultForAnOutdatedTopologyBecomesMaterial) {
     const ClusterEntry before = *table.take_dirty().front();
     table.apply(members(0, {0, 1, 2, 3}));
     EXPECT_TRUE(table.take_dirty().empty()) << "its solve is still in flight";
-    const Solve solve = solve_of(before, images({0, 1, 2}));
+    Solve solve = solve_of(before, images({0, 1, 2}));
     EXPECT_EQ(table.finish(solve.problem, solve.solution), nullptr) << "never published as current";
     EXPECT_EQ(table.coalesced(), 1U);
     const auto again = table.take_dirty();
@@ -57,10 +57,61 @@ TEST(ClusterTable, AResultForAnOutdatedTopologyBecomesMaterial) {
     EXPECT_EQ(again.front()->model, nullptr);
 }
 
+/// What was not published is not stored either: what is stored next says what changed since that.
+TEST(ClusterTable, ASuccessionLeadsFromThePublishedModelOverOutgrownResults) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    Solve first = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    const auto published = first.solution.model;
+    table.finish(first.problem, first.solution);
+    std::shared_ptr<const Reconstruction> last = published;
+    const auto grow = [&](std::initializer_list<std::uint32_t> now, bool is_outgrown,
+                          std::initializer_list<std::uint32_t> then,
+                          std::vector<std::uint8_t> replaced) {
+        const ClusterEntry taken = *table.take_dirty().front();
+        Solve solve = solve_of(taken, images(now));
+        solve.solution.succession = Succession{last, std::move(replaced)};
+        if (is_outgrown) table.apply(members(0, then));
+        EXPECT_EQ(table.finish(solve.problem, solve.solution) == nullptr, is_outgrown);
+        last = solve.solution.model;
+        return solve.solution.succession;
+    };
+    table.apply(members(0, {0, 1, 2, 3}));
+    grow({0, 1, 2, 3}, true, {0, 1, 2, 3, 4}, {0, 0, 1});
+    grow({0, 1, 2, 3, 4}, true, {0, 1, 2, 3, 4, 5}, {0, 0, 0, 1});
+    const auto since = grow({0, 1, 2, 3, 4, 5}, false, {}, {0, 1, 0});
+    ASSERT_TRUE(since);
+    EXPECT_EQ(since->before, published);
+    EXPECT_EQ(since->replaced, (std::vector<std::uint8_t>{0, 1, 1}));
+
+    const auto now_published = last;
+    table.apply(members(0, {0, 1, 2, 3, 4, 5, 6}));
+    const auto next = grow({0, 1, 2, 3, 4, 5, 6}, false, {}, {1});
+    ASSERT_TRUE(next);
+    EXPECT_EQ(next->before, now_published) << "what was outgrown is forgotten";
+    EXPECT_EQ(next->replaced, std::vector<std::uint8_t>{1});
+}
+
+TEST(ClusterTable, AnOutgrownResultWithoutSuccessionEndsIt) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    Solve first = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    table.finish(first.problem, first.solution);
+    table.apply(members(0, {0, 1, 2, 3}));
+    Solve whole = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3}));
+    table.apply(members(0, {0, 1, 2, 3, 4}));
+    EXPECT_EQ(table.finish(whole.problem, whole.solution), nullptr);
+    Solve local = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4}));
+    local.solution.succession = Succession{whole.solution.model, {0, 1}};
+    ASSERT_NE(table.finish(local.problem, local.solution), nullptr);
+    EXPECT_EQ(local.solution.succession->before, whole.solution.model)
+        << "it is not a change to the published one";
+}
+
 TEST(ClusterTable, GrowingExtendsTheModel) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
     table.finish(solve.problem, solve.solution);
     EXPECT_TRUE(table.apply(members(0, {0, 1, 2, 3})).empty());
     const auto dirty = table.take_dirty();
@@ -73,7 +124,7 @@ TEST(ClusterTable, JoinedModelsAreBothMaterial) {
     table.apply(members(0, {0, 1, 2}));
     table.apply(members(1, {3, 4, 5}));
     for (const ClusterEntry* entry : table.take_dirty()) {
-        const Solve solve = solve_of(*entry, entry->members);
+        Solve solve = solve_of(*entry, entry->members);
         table.finish(solve.problem, solve.solution);
     }
     const auto changes = table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5, 6}));
@@ -161,7 +212,7 @@ TEST(ClusterTable, AFailedSolveLeavesAllMaterialForTheNext) {
     table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    const Solve stand_in = solve_of(*dirty.front(), images({0, 1, 2}));
+    Solve stand_in = solve_of(*dirty.front(), images({0, 1, 2}));
     const ClusterEntry* entry = table.finish(stand_in.problem, stand_in.solution, false);
     ASSERT_NE(entry, nullptr);
     EXPECT_EQ(entry->model, stand_in.solution.model);
@@ -189,10 +240,10 @@ TEST(ClusterTable, ResultsFromBeforeAJoinAreJoinedWithWhatCame) {
     table.apply(members(1, {3, 4, 5}));
     std::vector<ClusterEntry> first;
     for (const ClusterEntry* entry : table.take_dirty()) first.push_back(*entry);
-    const Solve one = solve_of(first[1], images({3, 4, 5}));
+    Solve one = solve_of(first[1], images({3, 4, 5}));
     table.finish(one.problem, one.solution);
     table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
-    const Solve outdated = solve_of(first[0], images({0, 1, 2}));
+    Solve outdated = solve_of(first[0], images({0, 1, 2}));
     EXPECT_EQ(table.finish(outdated.problem, outdated.solution), nullptr);
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
@@ -207,7 +258,7 @@ TEST(ClusterTable, AJoinThatAnotherOneOvertakesIsNotDoneAgain) {
     table.apply(members(2, {6, 7, 8}));
     solve_dirty(table);
     table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4, 5}));
+    Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2, 3, 4, 5}));
     table.apply(join(2, images({6, 7, 8}), 0, {0, 1, 2, 3, 4, 5, 6, 7, 8}));
     EXPECT_EQ(table.finish(solve.problem, solve.solution), nullptr);
     const auto dirty = table.take_dirty();
@@ -217,7 +268,7 @@ TEST(ClusterTable, AJoinThatAnotherOneOvertakesIsNotDoneAgain) {
     const std::vector<std::pair<ClusterId, std::uint32_t>> both = {{cluster(1), 1U},
                                                                    {cluster(2), 1U}};
     EXPECT_EQ(dirty.front()->brought, both);
-    const Solve last = solve_of(*dirty.front(), images({0, 1, 2, 3, 4, 5, 6, 7, 8}));
+    Solve last = solve_of(*dirty.front(), images({0, 1, 2, 3, 4, 5, 6, 7, 8}));
     const ClusterEntry* published = table.finish(last.problem, last.solution);
     ASSERT_NE(published, nullptr);
     EXPECT_EQ(material_of(*published), Models{images({0, 1, 2, 3, 4, 5, 6, 7, 8})});
@@ -227,7 +278,7 @@ TEST(ClusterTable, AJoinThatAnotherOneOvertakesIsNotDoneAgain) {
 TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
     ClusteringEdit edit = members(1, {0, 1, 2, 3});
     edit.removed = {cluster(0)};
     table.apply(edit);
@@ -238,11 +289,11 @@ TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
 TEST(ClusterTable, SettlesOnce) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
     table.finish(solve.problem, solve.solution);
     const auto unsettled = table.take_unsettled();
     ASSERT_EQ(unsettled.size(), 1U);
-    const Solve settle = solve_of(*unsettled.front(), images({0, 1, 2}), true);
+    Solve settle = solve_of(*unsettled.front(), images({0, 1, 2}), true);
     table.finish(settle.problem, settle.solution);
     EXPECT_TRUE(table.take_unsettled().empty());
     table.apply(members(0, {0, 1, 2, 3}));

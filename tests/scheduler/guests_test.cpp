@@ -16,7 +16,7 @@ TEST(Guests, AGuestIsPlacedByItsHost) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
     table.apply(members(1, {3}));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
+    Solve solve = solve_of(*table.take_dirty().front(), images({0, 1, 2}));
     table.finish(solve.problem, solve.solution);
     using Host = std::pair<ImageId, std::optional<ClusterId>>;
     EXPECT_EQ(table.set_hosts(std::vector<Host>{{image(3), cluster(0)}}), std::vector{cluster(0)});
@@ -28,7 +28,7 @@ TEST(Guests, AGuestIsPlacedByItsHost) {
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U) << "the host tries its guest";
     EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})}) << "and keeps what it has";
-    const Solve with_guest = solve_of(*dirty.front(), images({0, 1, 2, 3}));
+    Solve with_guest = solve_of(*dirty.front(), images({0, 1, 2, 3}));
     EXPECT_NE(table.finish(with_guest.problem, with_guest.solution), nullptr);
 
     // The guest's own cluster grows up: the host is solved again without it, and not anew.
@@ -95,7 +95,7 @@ ClusterTable table_with_stray() {
     for (const ClusterEntry* entry : table.take_dirty()) {
         std::vector<ImageId> placed = entry->members;
         std::erase(placed, image(2));
-        const Solve solve = solve_of(*entry, placed);
+        Solve solve = solve_of(*entry, placed);
         table.finish(solve.problem, solve.solution);
     }
     return table;
@@ -112,7 +112,7 @@ TEST(AdoptedImages, ArePlacedByTheirHostAndStay) {
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U) << "nothing changed for its own cluster";
     EXPECT_EQ(dirty.front()->id, cluster(1));
-    const Solve solve = solve_of(*dirty.front(), images({2, 4, 5, 6}));
+    Solve solve = solve_of(*dirty.front(), images({2, 4, 5, 6}));
     table.finish(solve.problem, solve.solution);
     EXPECT_TRUE(table.stays_adopted(image(2)));
     EXPECT_FALSE(table.busy());
@@ -121,7 +121,7 @@ TEST(AdoptedImages, ArePlacedByTheirHostAndStay) {
 TEST(AdoptedImages, ThatTheHostCannotPlaceGoHomeWhenSomethingChanges) {
     ClusterTable table = table_with_stray();
     table.adopt(image(2), cluster(1));
-    const Solve solve = solve_of(*table.take_dirty().front(), images({4, 5, 6}));
+    Solve solve = solve_of(*table.take_dirty().front(), images({4, 5, 6}));
     table.finish(solve.problem, solve.solution);
     EXPECT_FALSE(table.stays_adopted(image(2)));
     EXPECT_FALSE(table.busy()) << "no cluster is tried again for that alone";

@@ -67,7 +67,7 @@ using Models = std::vector<std::vector<ImageId>>;
 
 inline void solve_dirty(ClusterTable& table) {
     for (const ClusterEntry* entry : table.take_dirty()) {
-        const Solve solve = solve_of(*entry, table.images_of(*entry));
+        Solve solve = solve_of(*entry, table.images_of(*entry));
         table.finish(solve.problem, solve.solution);
     }
 }
