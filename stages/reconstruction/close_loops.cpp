@@ -146,33 +146,35 @@ bool shows_places(const WorkingModel& model, const ClusterProblem& problem,
 
 }  // namespace
 
-Result<std::uint32_t> close_loops(WorkingModel& model, const ClusterProblem& problem,
-                                  const LocalGraph& graph, const SolveOptions& options,
-                                  const std::atomic<bool>* cancel) {
+Result<LoopClosing> close_loops(WorkingModel& model, const ClusterProblem& problem,
+                                const LocalGraph& graph, const SolveOptions& options,
+                                const std::atomic<bool>* cancel) {
+    const LoopClosing nothing;
     const LoopOptions& loops = options.loops;
-    if (loops.min_open_edges == 0 || model.registered_count() < loops.min_images) return 0U;
+    if (loops.min_open_edges == 0 || model.registered_count() < loops.min_images) return nothing;
     LoopEdges edges{find_open_edges(model, graph, loops), {}};
-    if (edges.open.size() < loops.min_open_edges) return 0U;
+    if (edges.open.size() < loops.min_open_edges) return nothing;
     edges.holding = find_holding_edges(model, graph, loops);
     auto closing = find_closing(model, edges, /*at_breaks=*/true, loops);
     if (!closing) closing = find_closing(model, edges, /*at_breaks=*/false, loops);
-    if (!closing) return 0U;
+    if (!closing) return nothing;
     WorkingModel trial = model;
     move(trial, closing->model_from_image);
     const auto adjustments =
         refine_around(trial, closing->strained, 0, problem.fix_intrinsics, options, cancel);
     if (!adjustments.ok()) {
         if (adjustments.error().code == ErrorCode::kCancelled) return adjustments.error();
-        return 0U;
+        return nothing;
     }
     const auto before = static_cast<double>(observations_of(model));
     const auto after = static_cast<double>(observations_of(trial));
     if (trial.registered_count() < model.registered_count() ||
         after < (1.0 - loops.max_lost_observations) * before)
-        return 0U;
-    if (shows_places(trial, problem, options) && !shows_places(model, problem, options)) return 0U;
+        return nothing;
+    const bool shows_one_place = !shows_places(trial, problem, options);
+    if (!shows_one_place && !shows_places(model, problem, options)) return nothing;
     model = std::move(trial);
-    return *adjustments;
+    return LoopClosing{*adjustments, shows_one_place};
 }
 
 }  // namespace psfm

@@ -13,6 +13,12 @@
 
 namespace psfm {
 
+/// What came of closing loops.
+struct LoopClosing {
+    std::uint32_t adjustments = 0;  ///< bundle adjustments done; 0: nothing was open, or closed
+    bool shows_one_place = false;   ///< of the closed model, as separate_places() was asked
+};
+
 /// Closes loops that drift, or a joint that fits at one of several places, has left open: where
 /// images match that the model shows apart, a pose graph of similarities between images spreads
 /// what lies between them over the model (Strasdat et al., RSS 2010, for a sequence of
@@ -22,10 +28,9 @@ namespace psfm {
 /// different places side by side (separate_places): then it is the edges that are wrong; nor does
 /// it change when what has moved cannot be adjusted.
 /// @param cancel  asked before each step of an adjustment; may be null
-/// @return bundle adjustments done; 0: nothing was open, or to be closed
 /// @errors kCancelled
-Result<std::uint32_t> close_loops(WorkingModel& model, const ClusterProblem& problem,
-                                  const LocalGraph& graph, const SolveOptions& options,
-                                  const std::atomic<bool>* cancel = nullptr);
+Result<LoopClosing> close_loops(WorkingModel& model, const ClusterProblem& problem,
+                                const LocalGraph& graph, const SolveOptions& options,
+                                const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace psfm

@@ -3,7 +3,6 @@
 #include "stages/reconstruction/extend_locally.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "stages/reconstruction/contradiction.h"
@@ -37,14 +36,6 @@ std::vector<ImageId> added_images(const Reconstruction& before, const Reconstruc
         if (before.find(image.image) == nullptr) added.push_back(image.image);
     }
     return added;
-}
-
-/// Whether a large model has hardly changed since it was asked for places.
-bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options) {
-    const auto images = static_cast<double>(attempt.model.images.size());
-    const auto asked = static_cast<double>(attempt.state.images_at_places);
-    return images > options.ask_at_once_up_to &&
-           std::abs(images - asked) <= options.ask_again * asked;
 }
 
 }  // namespace

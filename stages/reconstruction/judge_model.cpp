@@ -3,6 +3,7 @@
 #include "stages/reconstruction/judge_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace psfm {
 namespace {
@@ -20,6 +21,13 @@ std::size_t observation_count(const Reconstruction& model) {
 }
 
 }  // namespace
+
+bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options) {
+    const auto images = static_cast<double>(attempt.model.images.size());
+    const auto asked = static_cast<double>(attempt.state.images_at_places);
+    return images > options.ask_at_once_up_to &&
+           std::abs(images - asked) <= options.ask_again * asked;
+}
 
 bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
                           const SolveState& state, const SolveOptions& options) {

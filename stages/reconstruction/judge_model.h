@@ -25,6 +25,9 @@ struct SolveAttempt {
     std::optional<std::vector<std::vector<ImageId>>> places;
 };
 
+/// Whether a large model has hardly changed since it was asked for places: the next change may ask.
+bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options);
+
 /// Whether a model that was recycled contradicts the averaged rotations, and something is to be
 /// done about it (paper sec. "Detection of Bad Configurations"). One that has been looked at before
 /// has to have become worse, or larger by a quarter (ours): else an ambiguous cluster would be

@@ -17,11 +17,44 @@ namespace psfm {
 namespace {
 
 /// Points of each image that are looked at first. Lowered: all are looked at in vain more often.
-/// Ours, as is the next.
+/// Ours, as are the next.
 constexpr std::uint32_t kGlancePoints = 48;
 /// A pair that shares nothing shares at most so many times max_shared_by_chance of a few points.
 /// Raised: all are looked at more often; lowered: folds are overlooked by chance.
 constexpr double kGlanceFactor = 3.0;
+/// A pair that shares more of a few points is of one place whatever the others say. Raised: more
+/// pairs have all their points counted; lowered: chance decides.
+constexpr double kClearPart = 0.7;
+
+std::vector<SideBySide> sharing_up_to(std::span<const SideBySide> pairs, double part) {
+    std::vector<SideBySide> sharing;
+    std::ranges::copy_if(pairs, std::back_inserter(sharing),
+                         [&](const SideBySide& pair) { return pair.shared_part() <= part; });
+    return sharing;
+}
+
+/// Pairs that were found by a few points, with all points counted where these leave a doubt, and
+/// where an image of theirs stands beside one of those that share nothing.
+std::vector<SideBySide> count_doubtful(const Reconstruction& model, const PlaceOptions& options,
+                                       std::span<const SideBySide> pairs,
+                                       std::span<const SideBySide> strangers) {
+    std::vector<std::uint8_t> is_stranger(model.images.size(), 0);
+    for (const SideBySide& pair : strangers) is_stranger[pair.first] = is_stranger[pair.second] = 1;
+    std::vector<std::uint8_t> is_near = is_stranger;
+    for (const SideBySide& pair : pairs) {
+        if (is_stranger[pair.first] != 0 || is_stranger[pair.second] != 0)
+            is_near[pair.first] = is_near[pair.second] = 1;
+    }
+    const auto is_doubtful = [&](const SideBySide& pair) {
+        return is_near[pair.first] != 0 || is_near[pair.second] != 0 ||
+               pair.shared_part() <= kClearPart;
+    };
+    std::vector<SideBySide> counted;
+    std::ranges::copy_if(pairs, std::back_inserter(counted), is_doubtful);
+    counted = count_all_points(model, options, counted);
+    std::ranges::remove_copy_if(pairs, std::back_inserter(counted), is_doubtful);
+    return counted;
+}
 
 /// By image what its pairs reach: the second best, since one may be nearly a copy.
 std::vector<double> reached_parts(std::size_t images, std::span<const SideBySide> pairs) {
@@ -106,21 +139,18 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
                                                   std::span<const VerifiedPairPtr> pairs,
                                                   const PlaceOptions& options) {
     if (options.min_contradictions == 0) return {};
-    const auto sharing_up_to = [](std::span<const SideBySide> some, double part) {
-        std::vector<SideBySide> sharing;
-        std::ranges::copy_if(some, std::back_inserter(sharing),
-                             [&](const SideBySide& pair) { return pair.shared_part() <= part; });
-        return sharing;
-    };
     // Nearly all models show one place, and a few points of each image are enough to see that.
+    const std::vector<SideBySide> glanced = find_side_by_side(model, options, kGlancePoints);
     const std::vector<SideBySide> suspicious =
-        sharing_up_to(find_side_by_side(model, options, kGlancePoints),
-                      kGlanceFactor * options.max_shared_by_chance);
+        sharing_up_to(glanced, kGlanceFactor * options.max_shared_by_chance);
     if (suspicious.size() < options.min_contradictions) return {};
-    if (sharing_up_to(count_all_points(model, options, suspicious), options.max_shared_by_chance)
-            .size() < options.min_contradictions)
-        return {};
-    const std::vector<SideBySide> side_by_side = find_side_by_side(model, options);
+    const std::vector<SideBySide> strangers =
+        sharing_up_to(count_all_points(model, options, suspicious), options.max_shared_by_chance);
+    if (strangers.size() < options.min_contradictions) return {};
+    const bool is_large = model.images.size() > options.ask_at_once_up_to;
+    const std::vector<SideBySide> side_by_side =
+        is_large ? count_doubtful(model, options, glanced, strangers)
+                 : find_side_by_side(model, options);
     const std::vector<std::uint32_t> part_of =
         contract_signed_graph(model.images.size(), weigh(model, pairs, side_by_side, options));
     std::map<std::uint32_t, std::vector<ImageId>> places;

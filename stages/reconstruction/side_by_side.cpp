@@ -52,24 +52,28 @@ std::uint32_t step_for(const Reconstruction& model, std::uint32_t points_per_ima
     return static_cast<std::uint32_t>(std::max<std::size_t>(1, step));
 }
 
+/// Where each image of a model stands in Reconstruction::images, by its id.
+std::vector<std::uint32_t> positions_by_id(const Reconstruction& model) {
+    std::vector<std::uint32_t> positions;
+    if (model.images.empty()) return positions;
+    positions.resize(std::size_t{index_of(model.images.back().image)} + 1);
+    for (std::uint32_t i = 0; i < model.images.size(); ++i)
+        positions[index_of(model.images[i].image)] = i;
+    return positions;
+}
+
 /// Of every `step`-th point.
 std::vector<View> views_of(const Reconstruction& model, std::uint32_t step,
                            const PlaceOptions& options) {
     std::vector<View> views;
     views.reserve(model.images.size());
     for (const RegisteredImage& image : model.images) views.push_back(view_of(model, image));
+    const std::vector<std::uint32_t> positions = positions_by_id(model);
     for (std::uint32_t p = step / 2; p < model.points.size(); p += step) {
         const ScenePoint& point = model.points[p];
         if (point.track.size() < options.min_track) continue;
-        // Both ascend by image.
-        auto image = model.images.begin();
-        for (const Observation& observation : point.track) {
-            image = std::lower_bound(image, model.images.end(), observation.image,
-                                     [](const RegisteredImage& registered, ImageId id) {
-                                         return registered.image < id;
-                                     });
-            views[static_cast<std::size_t>(image - model.images.begin())].points.push_back(&point);
-        }
+        for (const Observation& observation : point.track)
+            views[positions[index_of(observation.image)]].points.push_back(&point);
     }
     in_parallel(views.size(), 64,
                 [&](std::size_t i) { views[i].median_depth = median_depth(views[i]); });

@@ -117,15 +117,22 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
     return best;
 }
 
-/// Closes what is open in a model, and counts it. @return whether anything was closed
-Result<bool> close_open_loops(WorkingModel& model, const ClusterProblem& problem,
-                              const LocalGraph& graph, const SolveOptions& options,
-                              const std::atomic<bool>* cancel, SolveStatistics& statistics) {
-    const auto adjustments = close_loops(model, problem, graph, options, cancel);
-    if (!adjustments.ok()) return adjustments.error();
-    statistics.full_adjustments += *adjustments;
-    statistics.closed_loops += *adjustments > 0 ? 1 : 0;
-    return *adjustments > 0;
+/// Notes that a model has been asked for places.
+void note_asked(SolveState& state, std::size_t images) {
+    state.images_at_places = static_cast<std::uint32_t>(images);
+    state.has_strangers = false;
+}
+
+/// Closes what is open in a model, and notes it.
+Result<LoopClosing> close_open_loops(WorkingModel& model, const ClusterProblem& problem,
+                                     const LocalGraph& graph, const SolveOptions& options,
+                                     const std::atomic<bool>* cancel, SolveAttempt& attempt) {
+    const auto closing = close_loops(model, problem, graph, options, cancel);
+    if (!closing.ok()) return closing.error();
+    attempt.statistics.full_adjustments += closing->adjustments;
+    attempt.statistics.closed_loops += closing->adjustments > 0 ? 1 : 0;
+    if (closing->shows_one_place) note_asked(attempt.state, model.registered_count());
+    return closing;
 }
 
 /// Adjusts models that were joined, unless they show different places: what would only come apart
@@ -136,17 +143,19 @@ Result<bool> adjust_joint(WorkingModel& model, const Recycling& recycling,
                           SolveAttempt& attempt) {
     complete_tracks(model, recycling.joint, options.tracks);
     merge_tracks(model, recycling.joint, options.tracks);
-    const auto closed =
-        close_open_loops(model, problem, graph, options, cancel, attempt.statistics);
-    if (!closed.ok()) return closed.error();
-    auto places = separate_places(model.save(), pairs_of(problem), options.places);
-    if (!places.empty()) {
-        finish(attempt, model, graph, options);
-        attempt.places = std::move(places);
-        attempt.statistics.kind = SolveKind::kTransfer;
-        return false;
+    const auto closing = close_open_loops(model, problem, graph, options, cancel, attempt);
+    if (!closing.ok()) return closing.error();
+    if (!closing->shows_one_place) {
+        auto places = separate_places(model.save(), pairs_of(problem), options.places);
+        if (!places.empty()) {
+            finish(attempt, model, graph, options);
+            attempt.places = std::move(places);
+            attempt.statistics.kind = SolveKind::kTransfer;
+            return false;
+        }
+        note_asked(attempt.state, model.registered_count());
     }
-    if (*closed) {  // what the joint moved has been adjusted
+    if (closing->adjustments > 0) {  // what the joint moved has been adjusted
         attempt.state.images_at_full_adjustment = model.registered_count();
         return true;
     }
@@ -188,10 +197,10 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         const auto mended =
             mend_model(model, problem, graph, options, cancel, attempt.state, attempt.statistics);
         if (!mended.ok()) return mended.error();
+        attempt.state.images_at_places = 0;  // another model, of as many images
     }
-    const auto closed =
-        close_open_loops(model, problem, graph, options, cancel, attempt.statistics);
-    if (!closed.ok()) return closed.error();
+    const auto closing = close_open_loops(model, problem, graph, options, cancel, attempt);
+    if (!closing.ok()) return closing.error();
     if (problem.settle) {
         const auto adjustments =
             refine_model(model, problem.fix_intrinsics, options.settling, options, cancel);
@@ -267,6 +276,18 @@ double mean_error_px(const Reconstruction& model) {
     return model.points.empty() ? 0.0 : sum / static_cast<double>(model.points.size());
 }
 
+/// Asks a finished model for places, or leaves that to a later solve.
+void ask_for_places(SolveAttempt& attempt, const ClusterProblem& problem,
+                    const SolveOptions& options) {
+    if (!problem.settle && was_asked_lately(attempt, options.places)) {
+        attempt.places.emplace();
+        attempt.state.has_strangers |= attempt.statistics.registered > 0;
+        return;
+    }
+    attempt.places = separate_places(attempt.model, pairs_of(problem), options.places);
+    note_asked(attempt.state, attempt.model.images.size());
+}
+
 Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options,
                               const std::atomic<bool>* cancel) {
     ClusterSolution solution;
@@ -284,11 +305,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     }
     attempt.statistics.mean_error_px = mean_error_px(attempt.model);
     solution.waiting = waiting_images(problem, attempt.model, reason);
-    if (!attempt.places) {
-        attempt.places = separate_places(attempt.model, pairs_of(problem), options.places);
-        attempt.state.images_at_places = static_cast<std::uint32_t>(attempt.model.images.size());
-        attempt.state.has_strangers = false;
-    }
+    if (!attempt.places) ask_for_places(attempt, problem, options);
     solution.places = *std::move(attempt.places);
     solution.model = std::make_shared<const Reconstruction>(std::move(attempt.model));
     solution.succession = std::move(attempt.succession);

@@ -86,9 +86,11 @@ class CloseLoops : public ::testing::Test {
     }
 
     std::uint32_t close() {
-        const auto adjustments = close_loops(*model_, problem_, *graph_, options_);
-        EXPECT_TRUE(adjustments.ok());
-        return adjustments.ok() ? *adjustments : 0;
+        const auto closing = close_loops(*model_, problem_, *graph_, options_);
+        EXPECT_TRUE(closing.ok());
+        if (!closing.ok()) return 0;
+        EXPECT_EQ(closing->shows_one_place, closing->adjustments > 0);
+        return closing->adjustments;
     }
 
     void settle() { EXPECT_TRUE(refine_model(*model_, true, options_.settling, options_).ok()); }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/stages/reconstruction/problems.h"
+#include "tests/stages/reconstruction/two_streets.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/disturb.h"
 #include "tests/synthetic/verified_pairs.h"
@@ -186,6 +187,40 @@ TEST(SolveCluster, RefusesBrokenProblems) {
     ClusterProblem no_camera = problem_of(scene, {});
     no_camera.cameras.clear();
     EXPECT_EQ(solve_cluster(no_camera, {}).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(SolveCluster, AsksALargeModelThatHardlyChangedOnlyLaterOrWhenItSettles) {
+    constexpr std::uint32_t kImages = 30;
+    const SyntheticScene scene = two_streets(kImages, 0.4, 7);
+    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+    problem.fix_intrinsics = true;
+    std::vector<ImageId> kept;
+    for (std::uint32_t image = 1; image < kImages; ++image) kept.push_back(ImageId{image});
+    problem.recycled = {std::make_shared<const Reconstruction>(
+        synthetic::true_reconstruction(scene, synthetic::random_gauge(5), kept))};
+    problem.recycled_state = {.images_at_full_adjustment = kImages, .images_at_start = kImages};
+    SolveOptions options;
+    options.extend_locally_from = 0;
+    options.places.ask_at_once_up_to = 20;
+    options.places.ask_again = 0.1;
+    const auto solve = [&](std::uint32_t asked_with) {
+        problem.recycled_state.images_at_places = asked_with;
+        auto solved = solve_cluster(problem, options);
+        EXPECT_TRUE(solved.ok());
+        return solved.ok() ? *std::move(solved) : ClusterSolution{};
+    };
+    const ClusterSolution later = solve(kImages - 1);
+    EXPECT_EQ(later.statistics.registered, 1U);
+    EXPECT_TRUE(later.places.empty()) << "not asked";
+    EXPECT_TRUE(later.state.has_strangers) << "what was added has not been looked at";
+    EXPECT_EQ(later.state.images_at_places, kImages - 1);
+    EXPECT_EQ(solve(kImages / 2).places.size(), 2U) << "it has changed";
+    EXPECT_EQ(solve(0).places.size(), 2U) << "never asked";
+    options.places.ask_at_once_up_to = kImages;
+    EXPECT_EQ(solve(kImages - 1).places.size(), 2U) << "a small model";
+    options.places.ask_at_once_up_to = 20;
+    problem.settle = true;
+    EXPECT_EQ(solve(kImages - 1).places.size(), 2U) << "it settles";
 }
 
 }  // namespace
