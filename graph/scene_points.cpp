@@ -24,8 +24,7 @@ std::vector<ImageId> images_that_see(std::span<const ScenePoint> points) {
         }
     }
     std::ranges::sort(images);
-    const auto repeated = std::ranges::unique(images);
-    images.erase(repeated.begin(), repeated.end());
+    images.erase(std::unique(images.begin(), images.end()), images.end());
     return images;
 }
 
