@@ -103,6 +103,22 @@ TEST(SolutionChain, GoesOnWithTheModelThatWasRead) {
     EXPECT_TRUE(same_model(*(*store->solution(ClusterId{0}))->model, *session.model()));
 }
 
+TEST(SolutionChain, LeadsOverModelsThatWereNotStored) {
+    const TemporaryFolder folder;
+    const auto store = open(folder);
+    GrowingSession session(5);
+    for (int image = 0; image < 6; ++image) ASSERT_TRUE(session.add_all(*store));
+    int as_changes = 0;
+    for (int solution = 0; solution < 12; ++solution) {
+        const StoredSolution between = session.next();
+        StoredSolution last = session.next(between.model);
+        last.succession = compose(*between.succession, *last.succession);
+        ASSERT_EQ(last.succession->before, session.model());
+        if (stored_as_changes(*store, session, std::move(last))) ++as_changes;
+    }
+    EXPECT_GE(as_changes, 6) << "unless too much of it was replaced";
+}
+
 TEST(SolutionChain, IsOfSuccessorsOnly) {
     const TemporaryFolder folder;
     const auto store = open(folder);
