@@ -10,8 +10,6 @@
 namespace psfm {
 namespace {
 
-constexpr double kTinyGradient = 1e-30;
-
 struct Terms {
     Eigen::Vector3d line2;  ///< f * x1: the epipolar line in image 2
     Eigen::Vector3d line1;  ///< f' * x2
@@ -37,7 +35,7 @@ double cauchy_cost(double squared, double squared_scale) {
 
 double sampson_residual(const Eigen::Matrix3d& f, const PointPair& points) {
     const Terms terms = terms_of(f, points.x1.homogeneous(), points.x2.homogeneous());
-    if (terms.squared_gradient < kTinyGradient) return 0.0;
+    if (terms.squared_gradient < kTinySampsonGradient) return 0.0;
     return terms.algebraic / std::sqrt(terms.squared_gradient);
 }
 

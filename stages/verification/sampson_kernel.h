@@ -8,6 +8,9 @@
 
 namespace psfm {
 
+/// Squared gradient below which a correspondence says nothing: both points are on the epipoles.
+inline constexpr double kTinySampsonGradient = 1e-30;
+
 /// Sums over correspondences that make up a SampsonSystem.
 struct SampsonSums {
     std::array<double, 45> information{};  ///< lower triangle, by rows

@@ -12,8 +12,6 @@
 namespace psfm {
 namespace {
 
-/// Correspondences without a gradient (both points on the epipoles) say nothing.
-constexpr double kTinyGradient = 1e-30;
 /// Blocks whose factors of the cost are multiplied before their logarithm is taken. Raised:
 /// overflow where errors are absurd.
 constexpr std::size_t kBlocksPerLogarithm = 4;
@@ -67,7 +65,7 @@ inline SampsonSums sum_sampson(const double* points, std::size_t count, const do
             line2[0] * line2[0] + line2[1] * line2[1] + line1[0] * line1[0] + line1[1] * line1[1];
         Lanes is_counted = {};
         for (std::size_t lane = 0; lane < kLanes && first + lane < count; ++lane)
-            is_counted[lane] = squared_gradient[lane] < kTinyGradient ? 0.0 : 1.0;
+            is_counted[lane] = squared_gradient[lane] < kTinySampsonGradient ? 0.0 : 1.0;
         const Lanes inverse =
             is_counted / square_root<kLanes>(squared_gradient + (1.0 - is_counted));
         const Lanes residual = algebraic * inverse;
