@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -104,23 +105,33 @@ Reconstruction WorkingModel::save() const {
     for (const Point& point : points_) {
         if (point.alive()) alive.push_back(&point);
     }
-    const auto saved = [&](const Point& point) {
+    std::vector<float> errors(alive.size());
+    in_parallel(alive.size(), kPointsATask, [&](std::size_t p) {
+        const Point& point = *alive[p];
+        errors[p] = point.error_px ? *point.error_px : static_cast<float>(mean_error(point));
+    });
+    std::vector<std::size_t> kept;
+    kept.reserve(alive.size());
+    for (std::size_t p = 0; p < alive.size(); ++p) {
+        if (std::isfinite(errors[p])) kept.push_back(p);
+    }
+    const auto saved = [&](std::size_t p) {
         ScenePoint result;
-        result.position = point.position;
-        result.track.reserve(point.track.size());
-        for (const Feature& feature : point.track)
+        result.position = alive[p]->position;
+        result.error_px = errors[p];
+        result.track.reserve(alive[p]->track.size());
+        for (const Feature& feature : alive[p]->track)
             result.track.push_back({image_id(feature.image), feature.feature});
-        result.error_px = point.error_px ? *point.error_px : static_cast<float>(mean_error(point));
         return result;
     };
     constexpr std::size_t kBlock = ScenePoints::kBlockPoints;
-    std::vector<PointBlockPtr> blocks((alive.size() + kBlock - 1) / kBlock);
+    std::vector<PointBlockPtr> blocks((kept.size() + kBlock - 1) / kBlock);
     in_parallel(blocks.size(), [&](std::size_t b) {
-        const std::size_t count = std::min(kBlock, alive.size() - b * kBlock);
+        const std::size_t count = std::min(kBlock, kept.size() - b * kBlock);
         std::vector<ScenePoint> points;
         points.reserve(count);
-        for (const Point* point : std::span(alive).subspan(b * kBlock, count))
-            points.push_back(saved(*point));
+        for (const std::size_t p : std::span(kept).subspan(b * kBlock, count))
+            points.push_back(saved(p));
         blocks[b] = std::make_shared<const PointBlock>(std::move(points));
     });
     for (PointBlockPtr& block : blocks) model.points.append(std::move(block));
