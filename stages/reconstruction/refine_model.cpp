@@ -115,12 +115,6 @@ Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_
     return adjustments;
 }
 
-/// How all of a model is adjusted that has grown or was joined.
-const RefinementOptions& growth_of(const WorkingModel& model, const SolveOptions& options) {
-    return model.registered_count() <= options.converge_up_to ? options.growth
-                                                              : options.large_growth;
-}
-
 }  // namespace
 
 std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& options) {
@@ -144,6 +138,14 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
     return refine(model, {}, fix_intrinsics, refinement, options, cancel);
 }
 
+Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
+                                           const SolveOptions& options,
+                                           const std::atomic<bool>* cancel) {
+    const bool is_large = model.registered_count() > options.converge_up_to;
+    return refine_model(model, fix_intrinsics, is_large ? options.large_growth : options.growth,
+                        options, cancel);
+}
+
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
                                     std::size_t at_least, bool fix_intrinsics,
                                     const SolveOptions& options, const std::atomic<bool>* cancel) {
@@ -164,7 +166,7 @@ Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::ui
                                     std::span<const std::uint32_t> joint, bool fix_intrinsics,
                                     const SolveOptions& options, const std::atomic<bool>* cancel) {
     if (model.registered_count() <= options.adjust_all_up_to)
-        return refine_model(model, fix_intrinsics, growth_of(model, options), options, cancel);
+        return refine_changed_model(model, fix_intrinsics, options, cancel);
     std::vector<std::uint32_t> images;
     std::ranges::set_union(joined, joint, std::back_inserter(images));
     const std::size_t at_least = joined.size() + options.images_around_joint;
@@ -181,7 +183,7 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
     if (model.registered_count() <= options.adjust_all_up_to)
-        return refine_model(model, fix_intrinsics, growth_of(model, options), options, cancel);
+        return refine_changed_model(model, fix_intrinsics, options, cancel);
     std::vector<std::uint32_t> newest = registered_images(model);
     newest.erase(newest.begin(),
                  newest.end() - std::min<std::ptrdiff_t>(grown, std::ssize(newest)));

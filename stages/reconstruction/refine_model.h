@@ -23,6 +23,13 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const RefinementOptions& refinement, const SolveOptions& options,
                                    const std::atomic<bool>* cancel = nullptr);
 
+/// The same after much of a model has changed: to convergence (`growth`) or, of more than
+/// `converge_up_to`, in the few steps of `large_growth`.
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
+                                           const SolveOptions& options,
+                                           const std::atomic<bool>* cancel = nullptr);
+
 /// The same, roughly (`large_growth`), of some images, of all who share points with them, and so on
 /// until there are so many; the rest of the model holds the gauge. All of it is adjusted when that
 /// would be most of it.
@@ -34,10 +41,10 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
                                     const SolveOptions& options,
                                     const std::atomic<bool>* cancel = nullptr);
 
-/// Adjusts a model that others were joined to: all of it, to convergence or, of more than
-/// `converge_up_to`, in the few steps of `large_growth`; or, of more than `adjust_all_up_to`, the
-/// joined images and the first model around the joint, whose far end holds the gauge: a part that
-/// was moved by a similarity is not held by anything else, and finds its place as a whole.
+/// Adjusts a model that others were joined to: all of it (refine_changed_model) or, of more than
+/// `adjust_all_up_to`, the joined images and the first model around the joint, whose far end holds
+/// the gauge: a part that was moved by a similarity is not held by anything else, and finds its
+/// place as a whole.
 /// @param joined  images of the models that were joined to the first, ascending
 /// @param joint  ends of edges between the models, ascending
 /// @param cancel  as above

@@ -64,7 +64,7 @@ Result<SolveAttempt> solve_globally(const ClusterProblem& problem, const LocalGr
     if (!grown.ok()) return grown.error();
     if (model.registered_count() > start->placed) {
         const auto adjustments =
-            refine_model(model, problem.fix_intrinsics, options.growth, options, cancel);
+            refine_changed_model(model, problem.fix_intrinsics, options, cancel);
         if (!adjustments.ok()) return adjustments.error();
         attempt.statistics.full_adjustments += *adjustments;
         attempt.state.images_at_full_adjustment = model.registered_count();
