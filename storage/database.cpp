@@ -11,6 +11,7 @@
 #include "storage/log_structure.h"
 #include "storage/session_folder.h"
 #include "storage/system_error.h"
+#include "storage/table_structure.h"
 
 namespace psfm {
 namespace {
@@ -31,6 +32,7 @@ bool has_orphaned_tables(const std::filesystem::path& folder) {
 /// Writers are kept out meanwhile; beside one there is nothing to do, as it looked when it opened.
 Result<void> look_through(const std::filesystem::path& session, const StoreOptions& options) {
     if (auto sound = check_logs(session); !sound) return sound;
+    if (auto sound = check_tables(session); !sound) return sound;
     const DatabaseOptions setup = make_database_options(options, nullptr);
     rocksdb::DB* db = nullptr;
     std::vector<rocksdb::ColumnFamilyHandle*> handles;
@@ -57,6 +59,7 @@ Result<std::unique_ptr<Database>> Database::open_primary(const std::filesystem::
                      label + " has lost its marker and its database's index" + kDamageRemedy};
     }
     if (const auto sound = check_logs(session); !sound) return sound.error();
+    if (const auto sound = check_tables(session); !sound) return sound.error();
     DatabaseOptions setup = make_database_options(options, env);
     setup.database.create_if_missing = mode == DatabaseMode::kCreate;
     setup.database.create_missing_column_families = mode == DatabaseMode::kCreate;

@@ -9,6 +9,7 @@
 #include "storage/database_options.h"
 #include "storage/session_folder.h"
 #include "storage/system_error.h"
+#include "storage/table_structure.h"
 
 namespace psfm {
 
@@ -22,6 +23,9 @@ Result<void> rebuild_database(const std::filesystem::path& session,
                               std::filesystem::copy_options::recursive, error);
     }
     if (error) return system_error("cannot copy the database to " + quoted(copy), error.value());
+    // RocksDB would die of them; what it cannot read is left out likewise.
+    for (const std::filesystem::path& table : damaged_tables(copy / kDatabaseFolder))
+        std::filesystem::remove(table, error);
     DatabaseOptions setup = make_database_options({}, nullptr);
     const std::string folder = (copy / kDatabaseFolder).string();
     rocksdb::Status status = rocksdb::RepairDB(folder, setup.database, setup.families);
