@@ -35,7 +35,10 @@ Result<CommitOutput> Committer::handle(const CommitInput& message) {
         failed_ = true;
         return done.error();
     }
-    advance(output);
+    if (const auto advanced = advance(output); !advanced.ok()) {
+        failed_ = true;
+        return advanced.error();
+    }
     return output;
 }
 
@@ -203,14 +206,51 @@ void Committer::tell(SessionEvent event) {
     events_.push_back(std::move(event));
 }
 
-void Committer::advance(CommitOutput& output) {
+Result<std::shared_ptr<const ClusterProblem>> Committer::problem_of(const ClusterEntry& entry,
+                                                                    bool settle) {
+    const auto read = state_.keypoints.use(state_.clusters.images_of(entry), *store_);
+    if (!read.ok()) return read.error();
+    return make_cluster_problem(state_, config_, entry, settle);
+}
+
+Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
+                                     CommitOutput& output) {
+    for (const ClusterEntry* entry : clusters) {
+        auto problem = problem_of(*entry, settle);
+        if (!problem.ok()) return problem.error();
+        output.solves.push_back({*std::move(problem)});
+    }
+    // Those that a cluster could not place are tried elsewhere (unplaced_images).
+    state_.keypoints.release([&](ImageId image) {
+        if (index_of(image) >= state_.verified) return false;
+        const ClusterEntry& entry = state_.clusters.of(image);
+        return entry.phase == ClusterPhase::kClean && entry.model &&
+               entry.model->find(image) != nullptr;
+    });
+    return {};
+}
+
+Result<std::vector<UnplacedImage>> Committer::images_to_adopt() {
+    std::vector<UnplacedImage> unplaced = unplaced_images(state_, config_);
+    std::vector<ImageId> missing;
+    for (const UnplacedImage& image : unplaced) {
+        if (!image.keypoints) missing.push_back(image.id);
+    }
+    if (missing.empty()) return unplaced;
+    const auto read = state_.keypoints.use(missing, *store_);
+    if (!read.ok()) return read.error();
+    for (UnplacedImage& image : unplaced) image.keypoints = state_.keypoints[index_of(image.id)];
+    return unplaced;
+}
+
+Result<void> Committer::advance(CommitOutput& output) {
     const bool all_verified =
         std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
     const bool ended = photos_expected_ == photos_seen_;
     const bool hold = config_.batch && !(ended && all_verified);
     if (!hold) {
-        for (const ClusterEntry* entry : state_.clusters.take_dirty())
-            output.solves.push_back({make_cluster_problem(state_, config_, *entry, false)});
+        const auto started = start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
+        if (!started.ok()) return started;
     }
     // Settling begins once everything is published, so that what it starts from does not depend on
     // timing; what an earlier process was settling ends as one version, as it would have there.
@@ -218,8 +258,9 @@ void Committer::advance(CommitOutput& output) {
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
         settle_first_ = false;
         const std::size_t others = output.solves.size();
-        for (const ClusterEntry* entry : state_.clusters.take_unsettled())
-            output.solves.push_back({make_cluster_problem(state_, config_, *entry, true)});
+        const auto started =
+            start_solves(state_.clusters.take_unsettled(), /*settle=*/true, output);
+        if (!started.ok()) return started;
         const auto settling = std::span(std::as_const(output.solves)).subspan(others);
         if (!settling.empty()) events_.push_back(describe_settling(settling));
     }
@@ -228,9 +269,11 @@ void Committer::advance(CommitOutput& output) {
     if (due) {
         changed_ = false;
         merging_ = true;
-        output.merge = MergeMessage{
-            make_merge_problem(state_),
-            std::make_shared<std::vector<UnplacedImage>>(unplaced_images(state_, config_))};
+        auto unplaced = images_to_adopt();
+        if (!unplaced.ok()) return unplaced.error();
+        output.merge =
+            MergeMessage{make_merge_problem(state_),
+                         std::make_shared<std::vector<UnplacedImage>>(*std::move(unplaced))};
     }
     const bool caught_up = !state_.clusters.busy() && !changed_ && !merging_;
     if (catching_up_ && (caught_up || !config_.deterministic)) {
@@ -246,6 +289,7 @@ void Committer::advance(CommitOutput& output) {
         output.publish->images_released = std::exchange(images_released_, 0);
         if (!output.publish->scene) output.publish->counts = state_.counts;
     }
+    return {};
 }
 
 bool Committer::time_for_version(bool quiet) const {

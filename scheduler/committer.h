@@ -40,6 +40,8 @@ class Committer {
     Result<CommitOutput> handle(const CommitInput& message);
 
     const SessionState& state() const { return state_; }
+    /// See ResidentKeypoints::set_budget.
+    void keep_idle_keypoints(std::size_t bytes) { state_.keypoints.set_budget(bytes); }
 
   private:
     Result<void> on(const CatchUp& message, CommitOutput& output);
@@ -68,7 +70,16 @@ class Committer {
     /// The next image may come in although this one is not published yet: what a version costs
     /// grows with the session, and so may the number of images that share it.
     void release_early(PendingImage& verified);
-    void advance(CommitOutput& output);
+    /// @errors those of the store
+    Result<void> advance(CommitOutput& output);
+    /// @errors those of the store
+    Result<std::shared_ptr<const ClusterProblem>> problem_of(const ClusterEntry& entry,
+                                                             bool settle);
+    /// unplaced_images(), with their keypoints. @errors those of the store
+    Result<std::vector<UnplacedImage>> images_to_adopt();
+    /// @errors those of the store
+    Result<void> start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
+                              CommitOutput& output);
     /// Deterministic sessions publish when everything is solved; others as soon as there is
     /// something new, but leave time for other work, each piece of which ends in advance().
     /// @param quiet  there is no such work

@@ -16,6 +16,7 @@
 #include "graph/view_graph.h"
 #include "scheduler/cluster_table.h"
 #include "scheduler/messages.h"
+#include "scheduler/resident_keypoints.h"
 #include "scheduler/session_config.h"
 #include "stages/clustering/clustering_state.h"
 #include "stages/clustering/select_edges.h"
@@ -37,10 +38,10 @@ struct PendingImage {
 struct SessionState {
     explicit SessionState(std::uint32_t mu_min) : clusters(mu_min) {}
 
-    std::vector<Image> images;                                ///< by id
-    std::vector<std::shared_ptr<const Keypoints>> keypoints;  ///< by id
-    std::map<CameraId, Camera> cameras;                       ///< as accepted
-    std::map<std::string, CameraId> camera_of_key;            ///< see assign_camera
+    std::vector<Image> images;                      ///< by id
+    ResidentKeypoints keypoints;                    ///< by id
+    std::map<CameraId, Camera> cameras;             ///< as accepted
+    std::map<std::string, CameraId> camera_of_key;  ///< see assign_camera
     std::unordered_map<std::uint64_t, std::string>
         name_of_content;  ///< finds byte-identical photographs
     std::uint32_t rejected = 0;

@@ -36,6 +36,8 @@ class SerialSession {
     /// Merges take until release_merge(), which lets the one in flight end.
     void hold_merges() { holds_merges_ = true; }
     void release_merge();
+    /// See ResidentKeypoints::set_budget.
+    void keep_idle_keypoints(std::size_t bytes) { committer_->keep_idle_keypoints(bytes); }
     /// What merges say that they took from now on.
     void merges_take(double milliseconds) { merge_ms_ = milliseconds; }
 

@@ -132,6 +132,7 @@ int start_session(const SessionArguments& arguments, const std::filesystem::path
     request.input = input;
     request.config = std::move(config);
     request.execution.threads = arguments.threads;
+    request.execution.idle_keypoint_bytes = store_options.cache_bytes / 8;
     request.log_file = arguments.log;
     request.watch = watch;
     return run_and_report(**store, request);
