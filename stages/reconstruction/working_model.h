@@ -54,8 +54,8 @@ class WorkingModel {
     /// observe, moved into this model's frame. Intrinsics stay as they are.
     void append(const Reconstruction& model, const Sim3& cluster_from_model);
     /// The result, with removed points left out, and those that have come to lie behind a camera
-    /// of theirs: poses move without their points being looked at again where loops are closed, or
-    /// where models that were joined turn out to show two places.
+    /// of theirs: where many images are placed anew, poses move without all of their points being
+    /// looked at again.
     Reconstruction save() const;
 
     std::size_t image_count() const { return poses_.size(); }

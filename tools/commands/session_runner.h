@@ -26,6 +26,11 @@ struct RunRequest {
     std::string go_on_command = "resume";          ///< what goes on after a Ctrl-C
 };
 
+/// What `--cache` leaves for the keypoints of clusters that rest.
+inline std::size_t idle_keypoint_bytes(const StoreOptions& options) {
+    return options.cache_bytes / 8;
+}
+
 /// What could take part: the folder's photographs, or the database's images; ascending by name.
 /// Tells of files that cannot.
 Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request);
