@@ -28,11 +28,18 @@ std::vector<ImageId> images_that_see(std::span<const ScenePoint> points) {
     return images;
 }
 
+/// What an allocation takes beside what was asked for [bytes].
+constexpr std::size_t kAllocation = 12;
+
 }  // namespace
 
 PointBlock::PointBlock(std::vector<ScenePoint> points)
     : points_(std::move(points)), images_(images_that_see(points_)) {
-    for (const ScenePoint& point : points_) sum_error_px_ += point.error_px;
+    bytes_ = points_.capacity() * sizeof(ScenePoint) + images_.capacity() * sizeof(ImageId);
+    for (const ScenePoint& point : points_) {
+        sum_error_px_ += point.error_px;
+        bytes_ += kAllocation + point.track.capacity() * sizeof(Observation);
+    }
 }
 
 ScenePoints::ScenePoints(std::vector<ScenePoint> points) {
@@ -47,6 +54,12 @@ ScenePoints::ScenePoints(std::vector<ScenePoint> points) {
         append(std::make_shared<const PointBlock>(std::vector<ScenePoint>(
             std::make_move_iterator(from), std::make_move_iterator(from + count))));
     }
+}
+
+std::size_t ScenePoints::bytes() const {
+    std::size_t bytes = 0;
+    for (const PointBlockPtr& block : blocks_) bytes += block->bytes();
+    return bytes;
 }
 
 const ScenePoint& ScenePoints::operator[](std::size_t point) const {

@@ -37,11 +37,13 @@ class PointBlock {
     const std::vector<ScenePoint>& points() const { return points_; }
     std::span<const ImageId> images() const { return images_; }  ///< that see any, ascending
     double sum_error_px() const { return sum_error_px_; }
+    std::size_t bytes() const { return bytes_; }  ///< of memory, about
 
   private:
     std::vector<ScenePoint> points_;
     std::vector<ImageId> images_;
     double sum_error_px_ = 0.0;
+    std::size_t bytes_ = 0;
 };
 using PointBlockPtr = std::shared_ptr<const PointBlock>;
 
@@ -97,6 +99,7 @@ class ScenePoints {
     bool empty() const { return blocks_.empty(); }
     Iterator begin() const { return {blocks_.data(), 0}; }
     Iterator end() const { return {blocks_.data() + blocks_.size(), 0}; }
+    std::size_t bytes() const;  ///< of memory, about; blocks that models share count for each
     /// O(log blocks): loops over all points take the iterator, or the blocks.
     const ScenePoint& operator[](std::size_t point) const;
 

@@ -52,8 +52,8 @@ bool ClusterTable::keep_members(ClusterEntry& entry) const {
         return recycled.model->images.size() < mu_min_;
     });
     // The published model would show images twice that are another cluster's by now.
-    if (entry.model && cut(entry.model) && entry.model->images.size() < mu_min_)
-        entry.model = nullptr;
+    if (std::shared_ptr<const Reconstruction> model = entry.model; model && cut(model))
+        set_model(entry, model->images.size() < mu_min_ ? nullptr : std::move(model));
     return lost;
 }
 
@@ -110,6 +110,11 @@ void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
     }
 }
 
+void ClusterTable::set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model) {
+    entry.model = std::move(model);
+    entry.depths = nullptr;
+}
+
 void ClusterTable::make_dirty(ClusterEntry& entry) const {
     entry.settled = false;
     const bool in_flight =
@@ -119,7 +124,7 @@ void ClusterTable::make_dirty(ClusterEntry& entry) const {
     } else if (entry.members.size() < mu_min_) {
         entry.phase = ClusterPhase::kClean;
         entry.solved_topology = entry.topology;
-        entry.model = nullptr;
+        set_model(entry, nullptr);
     } else {
         entry.phase = ClusterPhase::kDirty;
     }
@@ -264,7 +269,7 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         if (entry.members.size() < mu_min_) {
             entry.phase = ClusterPhase::kClean;
             entry.solved_topology = entry.topology;
-            entry.model = nullptr;
+            set_model(entry, nullptr);
         } else {
             entry.phase = ClusterPhase::kDirty;
         }
@@ -272,7 +277,7 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
     }
     entry.phase = ClusterPhase::kClean;
     entry.solved_topology = entry.topology;
-    entry.model = solution.model;
+    set_model(entry, solution.model);
     if (solved) entry.brought.clear();
     entry.waiting = solution.waiting;
     entry.settled = problem.settle;
@@ -280,13 +285,47 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
     return &entry;
 }
 
+void ClusterTable::learn_depths(ClusterId cluster,
+                                const std::shared_ptr<const Reconstruction>& model,
+                                std::shared_ptr<const std::vector<double>> depths) {
+    const auto found = entries_.find(cluster);
+    if (found != entries_.end() && found->second.model == model)
+        found->second.depths = std::move(depths);
+}
+
+bool ClusterTable::may_rest(const ClusterEntry& entry) {
+    return !entry.rests && entry.phase == ClusterPhase::kClean && has_model(entry.model) &&
+           entry.depths && entry.material.size() == 1 &&
+           entry.material.front().model == entry.model && !entry.outgrown;
+}
+
+void ClusterTable::rest(ClusterId cluster) {
+    ClusterEntry& entry = entries_.at(cluster);
+    auto model = std::make_shared<Reconstruction>();
+    model->images = entry.model->images;
+    model->cameras = entry.model->cameras;
+    entry.model = entry.material.front().model = std::move(model);
+    entry.rests = true;
+}
+
+void ClusterTable::wake(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model) {
+    ClusterEntry& entry = entries_.at(cluster);
+    entry.model = entry.material.front().model = model;
+    entry.rests = false;
+}
+
 bool ClusterTable::busy() const {
     return std::ranges::any_of(
         entries_, [](const auto& e) { return e.second.phase != ClusterPhase::kClean; });
 }
 
-void ClusterTable::end_restore() {
-    for (auto& [id, entry] : entries_) keep_members(entry);
+void ClusterTable::restore_models(ClusterEntry models) {
+    ClusterEntry& entry = entries_.at(models.id);
+    models.guests = std::move(entry.guests);
+    models.phase = entry.phase;
+    entry = std::move(models);
+    const bool is_whole = !keep_members(entry);
+    if (is_whole && may_rest(entry)) rest(entry.id);
 }
 
 void ClusterTable::restore_host(ImageId guest, ClusterId host) {

@@ -43,6 +43,11 @@ struct ClusterEntry {
     /// Published, without images that have left since; null before the first solve, and when fewer
     /// than mu_min are left.
     std::shared_ptr<const Reconstruction> model;
+    /// MergeResult::depths of the model; null: it was not merged yet.
+    std::shared_ptr<const std::vector<double>> depths;
+    /// The points of the model, which is all of the material, are in the store and not in memory
+    /// (ClusterTable::rest).
+    bool rests = false;
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     /// What the next solve extends or joins: the own model, and what images have brought along that
     /// moved here together (paper sec. "Cluster Tracking and Recycling").
@@ -82,7 +87,8 @@ class ClusterTable {
     explicit ClusterTable(std::uint32_t mu_min) : mu_min_(mu_min) {}
 
     /// Takes over an edit; clusters below mu_min are clean at once. Models keep what their clusters
-    /// place afterwards, as after a restore().
+    /// place afterwards, as after a restore(). REQUIRES: no cluster rests that changes, or that
+    /// images move from
     /// @param find_hosts  sets the hosts that follow from the edit; called when the clusters have
     /// their new members
     std::vector<ClusterChange> apply(const ClusteringEdit& edit,
@@ -121,6 +127,17 @@ class ClusterTable {
     const ClusterEntry* finish(const ClusterProblem& problem, ClusterSolution& solution,
                                bool solved = true);
 
+    /// What a merge found of a cluster's model; nothing happens where it has another one by now.
+    void learn_depths(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,
+                      std::shared_ptr<const std::vector<double>> depths);
+    /// Whether the store has all of a cluster's points, and nobody has asked for them who did not
+    /// get them yet: it is clean, and its material is its published, merged model.
+    static bool may_rest(const ClusterEntry& entry);
+    /// Leaves the points of a cluster's model to the store. REQUIRES: may_rest
+    void rest(ClusterId cluster);
+    /// The contrary. @param model  the stored one
+    void wake(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model);
+
     bool busy() const;  ///< something is dirty or being solved
     const std::map<ClusterId, ClusterEntry>& entries() const { return entries_; }
     /// The cluster that places an image: its host where it is a guest, else its own.
@@ -138,11 +155,13 @@ class ClusterTable {
     /// The same of an adopted image, which may have had another host before. REQUIRES: all clusters
     /// were restored
     void restore_adopted(ImageId guest, ClusterId host);
-    /// Leaves of the restored models what their clusters place. REQUIRES: all hosts were restored,
-    /// since a model holds the guests of its cluster
-    void end_restore();
+    /// Gives a restored cluster its models, and leaves of them what it places; it rests where it
+    /// may. REQUIRES: all hosts were restored, since a model holds the guests of its cluster
+    /// @param entry  with the models, and what belongs to them; its guests and phase do not matter
+    void restore_models(ClusterEntry entry);
 
   private:
+    static void set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model);
     void make_dirty(ClusterEntry& entry) const;
     bool keep_members(ClusterEntry& entry) const;
     /// @return the host that it had

@@ -176,9 +176,10 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
         describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;
     if (entry == nullptr) {
-        const StoredEdit edit = separate(*message.problem, *message.solution);
-        const bool changes = !edit.changed.empty() || !edit.removed.empty();
-        return changes ? store_->commit_clusters(edit) : Result<void>();
+        const auto edit = separate(*message.problem, *message.solution);
+        if (!edit.ok()) return edit.error();
+        const bool changes = !edit->changed.empty() || !edit->removed.empty();
+        return changes ? store_->commit_clusters(*edit) : Result<void>();
     }
     StoredSolution stored_solution;
     stored_solution.cluster = entry->id;
@@ -188,11 +189,12 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
     stored_solution.succession = std::move(solution.succession);
     // What is found of places may change the clusters, and may be the end of this one.
     StoredCluster own = stored(*entry);
-    StoredEdit edit = separate(*message.problem, *message.solution);
-    std::erase_if(edit.changed, [&](const StoredCluster& c) { return c.id == own.id; });
+    auto edit = separate(*message.problem, *message.solution);
+    if (!edit.ok()) return edit.error();
+    std::erase_if(edit->changed, [&](const StoredCluster& c) { return c.id == own.id; });
     const auto still = state_.clusters.entries().find(own.id);
     if (still != state_.clusters.entries().end()) own = stored(still->second);
-    return store_->commit_solution(stored_solution, own, edit);
+    return store_->commit_solution(stored_solution, own, *edit);
 }
 
 Result<void> Committer::on(const EndOfPhotos& message, CommitOutput& /*output*/) {
@@ -210,6 +212,8 @@ Result<std::shared_ptr<const ClusterProblem>> Committer::problem_of(const Cluste
                                                                     bool settle) {
     const auto read = state_.keypoints.use(state_.clusters.images_of(entry), *store_);
     if (!read.ok()) return read.error();
+    const auto awake = state_.models.use(std::span(&entry.id, 1), state_.clusters, *store_);
+    if (!awake.ok()) return awake.error();
     return make_cluster_problem(state_, config_, entry, settle);
 }
 
@@ -243,6 +247,24 @@ Result<std::vector<UnplacedImage>> Committer::images_to_adopt() {
     return unplaced;
 }
 
+Result<MergeMessage> Committer::problem_of_merge() {
+    const std::shared_ptr<MergeProblem> problem = make_merge_problem(state_);
+    auto unplaced = images_to_adopt();
+    if (!unplaced.ok()) return unplaced.error();
+    std::vector<ClusterId> seen = clusters_to_look_into(*problem);
+    for (const UnplacedImage& image : *unplaced) {
+        for (const UnplacedImage::Edge& edge : image.edges) seen.push_back(edge.cluster);
+    }
+    std::ranges::sort(seen);
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    const auto awake = state_.models.use(seen, state_.clusters, *store_);
+    if (!awake.ok()) return awake.error();
+    for (MergeCluster& cluster : problem->clusters)
+        cluster.model = state_.clusters.entries().at(cluster.id).model;
+    return MergeMessage{problem,
+                        std::make_shared<std::vector<UnplacedImage>>(*std::move(unplaced))};
+}
+
 Result<void> Committer::advance(CommitOutput& output) {
     const bool all_verified =
         std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
@@ -269,11 +291,9 @@ Result<void> Committer::advance(CommitOutput& output) {
     if (due) {
         changed_ = false;
         merging_ = true;
-        auto unplaced = images_to_adopt();
-        if (!unplaced.ok()) return unplaced.error();
-        output.merge =
-            MergeMessage{make_merge_problem(state_),
-                         std::make_shared<std::vector<UnplacedImage>>(*std::move(unplaced))};
+        auto merge = problem_of_merge();
+        if (!merge.ok()) return merge.error();
+        output.merge = *std::move(merge);
     }
     const bool caught_up = !state_.clusters.busy() && !changed_ && !merging_;
     if (catching_up_ && (caught_up || !config_.deterministic)) {

@@ -40,8 +40,11 @@ class Committer {
     Result<CommitOutput> handle(const CommitInput& message);
 
     const SessionState& state() const { return state_; }
-    /// See ResidentKeypoints::set_budget.
-    void keep_idle_keypoints(std::size_t bytes) { state_.keypoints.set_budget(bytes); }
+    /// See ResidentKeypoints and ResidentModels: so many bytes for each.
+    void keep_idle(std::size_t bytes) {
+        state_.keypoints.set_budget(bytes);
+        state_.models.set_budget(bytes);
+    }
 
   private:
     Result<void> on(const CatchUp& message, CommitOutput& output);
@@ -56,10 +59,13 @@ class Committer {
                         std::uint64_t hash, CommitOutput& output);
     /// Keeps images apart that a model shows beside each other and that are of different places,
     /// and takes that back where a model says otherwise. @return what is to be stored for that
-    StoredEdit separate(const ClusterProblem& problem, const Result<ClusterSolution>& solution);
+    /// @errors those of the store
+    Result<StoredEdit> separate(const ClusterProblem& problem,
+                                const Result<ClusterSolution>& solution);
     /// Takes over what changed in the view graph.
     /// @param others  clusters whose records changed as well
-    StoredEdit apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
+    /// @errors those of the store
+    Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
     /// Guests of large clusters after a change. @return clusters that got or lost one
     std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
                                         const ClusteringEdit& edit);
@@ -77,6 +83,8 @@ class Committer {
                                                              bool settle);
     /// unplaced_images(), with their keypoints. @errors those of the store
     Result<std::vector<UnplacedImage>> images_to_adopt();
+    /// What merging looks at is awake in it. @errors those of the store
+    Result<MergeMessage> problem_of_merge();
     /// @errors those of the store
     Result<void> start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
                               CommitOutput& output);

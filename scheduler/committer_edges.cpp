@@ -19,9 +19,10 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
     const ImageId image = message.image;
     ++state_.verified;
-    const StoredEdit edit =
+    const auto edit =
         apply(select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges), {});
-    if (const auto done = store_->commit_pairs(image, pairs, edit.changed, edit.removed);
+    if (!edit.ok()) return edit.error();
+    if (const auto done = store_->commit_pairs(image, pairs, edit->changed, edit->removed);
         !done.ok())
         return done;
     PendingImage& pending = state_.pending[index_of(image)];
@@ -34,14 +35,14 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     return {};
 }
 
-StoredEdit Committer::separate(const ClusterProblem& problem,
-                               const Result<ClusterSolution>& solution) {
-    if (!solution.ok()) return {};
+Result<StoredEdit> Committer::separate(const ClusterProblem& problem,
+                                       const Result<ClusterSolution>& solution) {
+    if (!solution.ok()) return StoredEdit{};
     std::vector<ImageId> images;
     images.reserve(solution->model->images.size());
     for (const RegisteredImage& image : solution->model->images) images.push_back(image.image);
     const PlaceVerdict verdict = judge_places(state_.edges, images, solution->places);
-    if (verdict.empty()) return {};
+    if (verdict.empty()) return StoredEdit{};
     if (!verdict.apart.empty()) tell(describe_places(problem, *solution, state_.images));
     // The records of these hold the pairs.
     std::set<ClusterId> holders;
@@ -52,9 +53,15 @@ StoredEdit Committer::separate(const ClusterProblem& problem,
     return apply(keep_apart(state_.edges, state_.view_graph, verdict), holders);
 }
 
-StoredEdit Committer::apply(const EdgeChanges& edges, const std::set<ClusterId>& others) {
+Result<StoredEdit> Committer::apply(const EdgeChanges& edges, const std::set<ClusterId>& others) {
     const ClusteringEdit edit =
         update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering);
+    std::vector<ClusterId> cut;
+    cut.reserve(edit.changed.size() + edit.moved.size());
+    for (const ClusterMembers& changed : edit.changed) cut.push_back(changed.id);
+    for (const MovedMembers& moved : edit.moved) cut.push_back(moved.from);
+    const auto awake = state_.models.use(cut, state_.clusters, *store_);
+    if (!awake.ok()) return awake.error();
     const std::size_t untouched = state_.clusters.entries().size();
     std::vector<ClusterId> rehosted;
     const std::vector<ClusterChange> changes =

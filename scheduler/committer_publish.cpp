@@ -25,6 +25,12 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
                                        std::chrono::duration<double, std::milli>(message.merge_ms));
     if (!message.result->ok()) return message.result->error();
     const MergeResult& merged = message.result->value().merge;
+    for (const auto& [id, depths] : merged.depths) {
+        const auto& clusters = message.problem->clusters;
+        const auto cluster = std::ranges::lower_bound(clusters, id, {}, &MergeCluster::id);
+        state_.clusters.learn_depths(id, cluster->model, depths);
+    }
+    state_.models.release(state_.clusters);
     auto scene = std::make_shared<Scene>();
     scene->version = state_.scene->version + 1;
     scene->image_count = state_.verified;
@@ -41,11 +47,11 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         // A cluster that lost its model shows none of its former solutions.
         shown->revision = cluster.model ? cluster.revision : 0;
         shown->members = state_.clusters.images_of(entry->second);
-        shown->model = cluster.model;
-        if (cluster.model && places_others_than(*cluster.model, shown->members)) {
+        shown->model = entry->second.rests ? entry->second.model : cluster.model;
+        if (shown->model && places_others_than(*shown->model, shown->members)) {
             // Images that have left, and guests that have a cluster of their own by now.
             shown->model = std::make_shared<const Reconstruction>(
-                restricted_to(*cluster.model, shown->members));
+                restricted_to(*shown->model, shown->members));
         }
         shown->world_from_cluster = placement->world_from_cluster;
         shown->effective_cluster = placement->effective_cluster;
@@ -126,7 +132,9 @@ void Committer::report_published(const MergeProblem& problem, double merge_ms,
         if (merged == problem.clusters.end() || merged->id != entry.id) continue;
         // Placed, though the cluster may be solved again for the sake of others; or tried in vain.
         const bool placed = merged->model && merged->model->find(image) != nullptr;
-        const bool tried = merged->model == entry.model && entry.phase == ClusterPhase::kClean;
+        const bool tried = merged->revision == entry.revision &&
+                           (merged->model == nullptr) == (entry.model == nullptr) &&
+                           entry.phase == ClusterPhase::kClean;
         if (!placed && !tried) continue;
         pending.published = true;
         pending.report.merge_ms = merge_ms;

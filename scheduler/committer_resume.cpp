@@ -2,23 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The committer's first steps: what an earlier process left between two commits.
-#include <algorithm>
-
 #include "scheduler/committer.h"
+#include "scheduler/make_problems.h"
 
 namespace psfm {
-namespace {
-
-/// Whether the scene shows a cluster as it is now.
-bool is_shown(const ClusterEntry& entry, const Scene& scene) {
-    const auto shown = std::ranges::lower_bound(scene.clusters, entry.id, {},
-                                                [](const auto& cluster) { return cluster->id; });
-    return shown != scene.clusters.end() && (*shown)->id == entry.id &&
-           (*shown)->revision == (entry.model ? entry.revision : 0);
-}
-
-}  // namespace
-
 Result<void> Committer::on(const CatchUp& /*message*/, CommitOutput& /*output*/) {
     catching_up_ = true;
     const Scene& scene = *state_.scene;

@@ -83,10 +83,10 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     return problem;
 }
 
-std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state) {
+std::shared_ptr<MergeProblem> make_merge_problem(const SessionState& state) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
-        problem->clusters.push_back({id, entry.revision, entry.model});
+        problem->clusters.push_back({id, entry.revision, entry.model, entry.depths});
     const std::vector<std::optional<ClusterId>> placing = placing_clusters(state);
     std::map<std::pair<ClusterId, ClusterId>, std::vector<VerifiedPairPtr>> between;
     for (std::uint32_t number = 0; number < placing.size(); ++number) {
@@ -107,6 +107,13 @@ std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state
     return problem;
 }
 
+bool is_shown(const ClusterEntry& entry, const Scene& scene) {
+    const auto shown = std::ranges::lower_bound(scene.clusters, entry.id, {},
+                                                [](const auto& cluster) { return cluster->id; });
+    return shown != scene.clusters.end() && (*shown)->id == entry.id &&
+           (*shown)->revision == (entry.model ? entry.revision : 0);
+}
+
 std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config) {
     std::vector<UnplacedImage> unplaced;
     for (const auto& [id, entry] : state.clusters.entries()) {
@@ -124,13 +131,15 @@ std::vector<UnplacedImage> unplaced_images(const SessionState& state, const Sess
                                     state.keypoints[index_of(image_id)],
                                     {}};
             bool elsewhere = false;
+            bool has_changed = !is_shown(entry, *state.scene);
             for (const ViewGraph::Edge& edge : state.view_graph.edges(image_id)) {
                 const ClusterEntry& other = state.clusters.of(edge.neighbor);
                 if (!other.model || other.model->find(edge.neighbor) == nullptr) continue;
                 candidate.edges.push_back({edge.pair, other.id});
                 elsewhere = elsewhere || other.id != id;
+                has_changed = has_changed || !is_shown(other, *state.scene);
             }
-            if (elsewhere) unplaced.push_back(std::move(candidate));
+            if (elsewhere && has_changed) unplaced.push_back(std::move(candidate));
         }
     }
     std::ranges::sort(unplaced, {}, &UnplacedImage::id);

@@ -19,12 +19,18 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
                                                            const SessionConfig& config,
                                                            const ClusterEntry& entry, bool settle);
 
-/// All clusters with the view graph's edges between placed images of different ones.
-std::shared_ptr<const MergeProblem> make_merge_problem(const SessionState& state);
+/// All clusters with the view graph's edges between placed images of different ones. Models of
+/// clusters that rest are without points.
+std::shared_ptr<MergeProblem> make_merge_problem(const SessionState& state);
+
+/// Whether a version shows a cluster as it is now.
+bool is_shown(const ClusterEntry& entry, const Scene& scene);
 
 /// Images that a solved cluster could not place and that have edges to what other clusters place:
 /// to be tried against the merged model, ascending. Not those that were adopted already: they stay
-/// with their host until something changes around them.
+/// with their host until something changes around them. And not those that were tried for the last
+/// version, unless their own cluster or one that they see has been solved since: where clusters
+/// move against one another all of them are tried again when they settle at the latest.
 std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config);
 
 }  // namespace psfm

@@ -169,7 +169,8 @@ struct SessionCounts {
 
 /// What the commit node tells the world.
 struct PublishMessage {
-    ScenePtr scene;  ///< null when only events happened
+    /// Null when only events happened. The points of clusters that rest are in the store only.
+    ScenePtr scene;
     SessionCounts counts;
     std::vector<ImageReport> images;    ///< ascending by index
     std::vector<SessionEvent> events;   ///< in the order they happened

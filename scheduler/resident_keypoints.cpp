@@ -15,7 +15,7 @@ std::size_t bytes_of(const Keypoints& keypoints) {
 }  // namespace
 
 void ResidentKeypoints::push_back(Pointer keypoints) {
-    bytes_ += bytes_of(*keypoints);
+    if (keypoints) bytes_ += bytes_of(*keypoints);
     images_.push_back({std::move(keypoints), solves_});
 }
 

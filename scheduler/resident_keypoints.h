@@ -28,7 +28,7 @@ class ResidentKeypoints {
     /// @param bytes  of keypoints that no solve has used lately. More: fewer reads from the store.
     void set_budget(std::size_t bytes) { budget_ = next_release_ = bytes; }
 
-    /// Of the next image.
+    /// Of the next image. @param keypoints  null: they are left to the store
     void push_back(Pointer keypoints);
     std::size_t size() const { return images_.size(); }
     /// Null: not in memory.

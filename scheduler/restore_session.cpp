@@ -7,6 +7,7 @@
 #include "stages/clustering/host_cluster.h"
 #include "stages/clustering/keep_apart.h"
 #include "stages/features/assign_camera.h"
+#include "stages/merge/find_contradictions.h"
 
 namespace psfm {
 namespace {
@@ -28,9 +29,13 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     state.rejected = static_cast<std::uint32_t>(restored.rejected.size());
     state.verified = *verified;
     for (const Image& image : state.images) {
-        auto keypoints = store.keypoints(image.id);
-        if (!keypoints.ok()) return keypoints.error();
-        state.keypoints.push_back(*std::move(keypoints));
+        std::shared_ptr<const Keypoints> keypoints;
+        if (index_of(image.id) >= state.verified) {
+            auto read = store.keypoints(image.id);
+            if (!read.ok()) return read.error();
+            keypoints = *std::move(read);
+        }
+        state.keypoints.push_back(std::move(keypoints));
         state.name_of_content.emplace(image.metadata.content_hash, image.name);
         const auto given = config.given_cameras.find(image.name);
         const std::string key = given != config.given_cameras.end()
@@ -72,6 +77,43 @@ Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionO
     return {};
 }
 
+/// What the next solve of a cluster starts from. @param entry  without models
+Result<void> restore_models(const SessionReader& store, const StoredCluster& stored,
+                            const StageOptions& options, ClusterEntry& entry) {
+    auto solution = store.solution(stored.id);
+    if (!solution.ok()) return solution.error();
+    if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
+        const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
+        entry.model = (*solution)->model;
+        entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
+        if (!entry.model->empty()) {
+            entry.material = {{stored.id, stored.revision, entry.model}};
+            entry.material_state = solve_state.state;
+            entry.depths = std::make_shared<const std::vector<double>>(mean_depths(*entry.model));
+        }
+    }
+    if (entry.solved_topology >= entry.transfer_topology) return {};
+    for (const SolutionReference& recycled : stored.recycled) {
+        auto model = store.recycled_model(recycled);
+        if (!model.ok()) return model.error();
+        if (!*model) continue;
+        entry.material.push_back({recycled.cluster, recycled.revision, *std::move(model)});
+        entry.brought.emplace_back(recycled.cluster, recycled.revision);
+    }
+    return {};
+}
+
+ClusterEntry without_models(const StoredCluster& stored) {
+    ClusterEntry entry;
+    entry.id = stored.id;
+    entry.members = stored.members;
+    entry.topology = stored.topology;
+    entry.solved_topology = stored.solved_topology;
+    entry.revision = stored.revision;
+    entry.transfer_topology = stored.transfer_topology;
+    return entry;
+}
+
 Result<void> restore_clusters(const SessionReader& store, const StageOptions& options,
                               SessionState& state) {
     const auto clusters = store.clusters();
@@ -79,35 +121,7 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     std::vector<ClusterMembers> members;
     for (const StoredCluster& stored : *clusters) {
         members.push_back({stored.id, stored.members});
-        ClusterEntry entry;
-        entry.id = stored.id;
-        entry.members = stored.members;
-        entry.topology = stored.topology;
-        entry.solved_topology = stored.solved_topology;
-        entry.revision = stored.revision;
-        entry.transfer_topology = stored.transfer_topology;
-        const auto solution = store.solution(stored.id);
-        if (!solution.ok()) return solution.error();
-        if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
-            const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
-            const std::shared_ptr<const Reconstruction>& model = (*solution)->model;
-            entry.model = model;
-            entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
-            if (!model->empty()) {
-                entry.material = {{stored.id, stored.revision, model}};
-                entry.material_state = solve_state.state;
-            }
-        }
-        if (entry.solved_topology < entry.transfer_topology) {
-            for (const SolutionReference& recycled : stored.recycled) {
-                auto model = store.recycled_model(recycled);
-                if (!model.ok()) return model.error();
-                if (!*model) continue;
-                entry.material.push_back({recycled.cluster, recycled.revision, *std::move(model)});
-                entry.brought.emplace_back(recycled.cluster, recycled.revision);
-            }
-        }
-        state.clusters.restore(std::move(entry));
+        state.clusters.restore(without_models(stored));
     }
     const auto next = store.next_cluster_id();
     if (!next.ok()) return next.error();
@@ -123,7 +137,13 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     for (const StoredCluster& stored : *clusters) {
         for (const ImageId image : stored.adopted) state.clusters.restore_adopted(image, stored.id);
     }
-    state.clusters.end_restore();
+    // One model after the other: those of clusters that rest do not stay in memory.
+    for (const StoredCluster& stored : *clusters) {
+        ClusterEntry models = without_models(stored);
+        const auto done = restore_models(store, stored, options, models);
+        if (!done.ok()) return done;
+        state.clusters.restore_models(std::move(models));
+    }
     return {};
 }
 
@@ -137,7 +157,7 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
         return done.error();
     if (const auto done = restore_clusters(store, options, restored.state); !done.ok())
         return done.error();
-    auto scene = store.scene();
+    auto scene = store.scene_poses();
     if (!scene.ok()) return scene.error();
     const auto summary_text = store.scene_summary_json();
     if (!summary_text.ok()) return summary_text.error();

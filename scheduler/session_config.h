@@ -71,9 +71,9 @@ struct ExecutionOptions {
     /// up to a 25th of the session. Higher: more overlap, more latency under load. A deterministic
     /// session has one.
     int images_in_flight = 8;
-    /// Keypoints that no solve has used lately, in memory [bytes]; the others are read back from
-    /// the store. Higher: fewer reads.
-    std::size_t idle_keypoint_bytes = std::size_t{32} << 20U;
+    /// Keypoints that no solve has used lately, in memory [bytes], and as much again of models'
+    /// points; the others are read back from the store. Higher: fewer reads.
+    std::size_t idle_bytes = std::size_t{32} << 20U;
 };
 
 }  // namespace psfm

@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "stages/merge/run_merge.h"
-#include "stages/reconstruction/adoption_trials.h"
 #include "stages/reconstruction/solve_cluster.h"
 
 namespace psfm {
@@ -39,7 +38,7 @@ struct SessionGraph::Nodes {
     RetrievedMessage retrieve_candidates(const AcceptedImagePtr& accepted) const;
     CommitInput verify_image(const RetrievedMessage& retrieved) const;
     CommitInput solve(const SolveMessage& message) const;
-    CommitInput merge_clusters(const MergeMessage& message);
+    CommitInput merge_clusters(const MergeMessage& message) const;
     void publish_version(const PublishMessage& message) const;
 
     /// Runs a node's body, and measures it.
@@ -58,7 +57,6 @@ struct SessionGraph::Nodes {
     Parts parts;
     InOrder photos_in_order;  // what the sequencers let through to commit
     InOrder images_in_order;
-    AdoptionTrials adoption_trials;  // of merge, which is serial
     std::atomic<bool> has_failed{false};
     mutable std::mutex error_mutex;
     Error error;
@@ -195,7 +193,7 @@ CommitInput SessionGraph::Nodes::solve(const SolveMessage& message) const {
     return solved;
 }
 
-CommitInput SessionGraph::Nodes::merge_clusters(const MergeMessage& message) {
+CommitInput SessionGraph::Nodes::merge_clusters(const MergeMessage& message) const {
     MergedMessage merged{message.problem, message.unplaced, nullptr, 0.0};
     if (stopped()) return merged;
     const auto start = Clock::now();
@@ -204,8 +202,8 @@ CommitInput SessionGraph::Nodes::merge_clusters(const MergeMessage& message) {
         std::make_shared<const Result<Outcome>>(guarded<Outcome>("merge", [&]() -> Result<Outcome> {
             auto merge_result = run_merge(*message.problem, parts.options->merge);
             if (!merge_result.ok()) return merge_result.error();
-            auto adoptions = adoption_trials.find(*message.problem, *merge_result,
-                                                  *message.unplaced, parts.options->solve);
+            auto adoptions = find_adoptions(*message.problem, *merge_result, *message.unplaced,
+                                            parts.options->solve);
             return Outcome{*std::move(merge_result), std::move(adoptions)};
         }));
     merged.merge_ms = milliseconds_since(start);

@@ -17,6 +17,7 @@
 #include "scheduler/cluster_table.h"
 #include "scheduler/messages.h"
 #include "scheduler/resident_keypoints.h"
+#include "scheduler/resident_models.h"
 #include "scheduler/session_config.h"
 #include "stages/clustering/clustering_state.h"
 #include "stages/clustering/select_edges.h"
@@ -50,6 +51,7 @@ struct SessionState {
     EdgeSelection edges;  ///< which pairs the view graph holds
     ClusteringState clustering;
     ClusterTable clusters;
+    ResidentModels models;                       ///< which of the clusters rest
     std::vector<ClusterConstraint> constraints;  ///< MergeProblem::known of the next version
     ScenePtr scene = std::make_shared<const Scene>();
     SessionCounts counts;

@@ -44,6 +44,7 @@ class ReaderOf : public Interface {
         return reads_.solution(cluster);
     }
     Result<Scene> scene() const override { return reads_.scene(); }
+    Result<Scene> scene_poses() const override { return reads_.scene_poses(); }
     Result<std::string> scene_summary_json() const override { return reads_.scene_summary_json(); }
     Result<Scene> scene_after(std::uint32_t image_count) const override {
         return reads_.scene_after(image_count);

@@ -163,11 +163,19 @@ Result<Scene> SessionReads::assemble(const ReadView& view, const SceneRecord& re
 }
 
 Result<Scene> SessionReads::scene() const {
+    return latest_scene(WithPoints::kYes);
+}
+
+Result<Scene> SessionReads::scene_poses() const {
+    return latest_scene(WithPoints::kNo);
+}
+
+Result<Scene> SessionReads::latest_scene(WithPoints with_points) const {
     return read_consistently(*database_, [&](const ReadView& view) -> Result<Scene> {
         const auto record = read_latest_scene(view);
         if (!record) return record.error();
         if (!record->has_value()) return Scene{};
-        return assemble(view, **record, WithPoints::kYes);
+        return assemble(view, **record, with_points);
     });
 }
 

@@ -33,6 +33,7 @@ class SessionReads {
     Result<std::shared_ptr<const Reconstruction>> recycled_model(
         const SolutionReference& solution) const;
     Result<Scene> scene() const;
+    Result<Scene> scene_poses() const;
     Result<std::string> scene_summary_json() const;
     Result<Scene> scene_after(std::uint32_t image_count) const;
 
@@ -40,6 +41,7 @@ class SessionReads {
     enum class WithPoints { kNo, kYes };
     using ModelPtr = std::shared_ptr<const Reconstruction>;
 
+    Result<Scene> latest_scene(WithPoints with_points) const;
     Result<ModelPtr> read_model(const ReadView& view, const SolutionKey& key,
                                 WithPoints with_points) const;
     Result<Scene> assemble(const ReadView& view, const SceneRecord& record,

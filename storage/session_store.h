@@ -156,6 +156,8 @@ class SessionReader {
     /// The latest scene version, complete with models; version 0 and no clusters for an empty
     /// session.
     virtual Result<Scene> scene() const = 0;
+    /// The same without points: models hold poses and cameras only.
+    virtual Result<Scene> scene_poses() const = 0;
     virtual Result<std::string> scene_summary_json() const = 0;
     /// The last version with at most `image_count` images. Points are there with History::kFull and
     /// for the latest version; else the models hold poses and cameras only. kNotFound: no such

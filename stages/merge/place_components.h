@@ -25,6 +25,8 @@ struct MergeCluster {
     ClusterId id{};
     std::uint32_t revision = 0;                   ///< changes whenever the model does
     std::shared_ptr<const Reconstruction> model;  ///< null or empty while unsolved
+    /// MergeResult::depths of this model; null: not known yet.
+    std::shared_ptr<const std::vector<double>> depths = nullptr;
 };
 
 /// Clusters that stand in one frame: an effective cluster.

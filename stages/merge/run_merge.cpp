@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <tuple>
@@ -152,7 +154,7 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
 struct ClusterGraph {
     std::vector<const MergeCluster*> clusters;  ///< ascending by id
     std::vector<std::size_t> sizes;
-    std::vector<std::vector<double>> depths;  ///< mean_depths() of each
+    std::vector<std::shared_ptr<const std::vector<double>>> depths;  ///< mean_depths() of each
     std::vector<PoseGraphEdge> edges;
     std::vector<ClusterConstraint*> constraints;  ///< by edge
 };
@@ -165,6 +167,7 @@ ClusterGraph graph_of(const MergeProblem& problem, std::vector<PairTask>& tasks)
         number[cluster.id] = static_cast<std::uint32_t>(graph.clusters.size());
         graph.clusters.push_back(&cluster);
         graph.sizes.push_back(cluster.model->images.size());
+        graph.depths.push_back(cluster.depths);
     }
     for (PairTask& task : tasks) {
         ClusterConstraint& constraint = task.constraint;
@@ -200,8 +203,8 @@ std::vector<SignedEdge> contradictions_of(const ClusterGraph& graph, const Clust
         for (std::uint32_t c = 0; c < graph.clusters.size(); ++c) {
             if (poses.component[c] != component) continue;
             numbers.push_back(c);
-            models.push_back(
-                {graph.clusters[c]->model.get(), graph.depths[c], poses.component_from_cluster[c]});
+            models.push_back({graph.clusters[c]->model.get(), *graph.depths[c],
+                              poses.component_from_cluster[c]});
         }
         for (const auto& [a, b] : find_contradictions(models, pairs, options))
             contradictions.push_back({numbers[a], numbers[b], kNever});
@@ -249,17 +252,21 @@ Result<ClusterPoses> consistent_poses(ClusterGraph& graph, std::span<const Image
     }
 }
 
+/// The components; of the result, the depths.
 Result<std::vector<Component>> solve_components(const MergeProblem& problem,
                                                 std::vector<PairTask>& tasks,
-                                                const MergeOptions& options) {
+                                                const MergeOptions& options, MergeResult& result) {
     ClusterGraph graph = graph_of(problem, tasks);
-    graph.depths.resize(graph.clusters.size());
     // Isolated: a version is not to wait for a solve that this thread takes up in between.
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(std::size_t{0}, graph.depths.size(), [&](std::size_t c) {
-            graph.depths[c] = mean_depths(*graph.clusters[c]->model);
+            if (graph.depths[c]) return;
+            graph.depths[c] =
+                std::make_shared<const std::vector<double>>(mean_depths(*graph.clusters[c]->model));
         });
     });
+    for (std::size_t c = 0; c < graph.clusters.size(); ++c)
+        result.depths.emplace_back(graph.clusters[c]->id, graph.depths[c]);
     const auto poses = consistent_poses(graph, image_pairs(problem), options);
     if (!poses) return poses.error();
     for (std::size_t e = 0; e < graph.edges.size(); ++e)
@@ -299,16 +306,24 @@ std::vector<ClusterConstraint> set_aside(const MergeProblem& problem,
 
 }  // namespace
 
+std::vector<ClusterId> clusters_to_look_into(const MergeProblem& problem) {
+    std::set<ClusterId> clusters;
+    for (const PairTask& task : list_pairs(problem)) {
+        if (!task.known) clusters.insert({task.a->id, task.b->id});
+    }
+    return {clusters.begin(), clusters.end()};
+}
+
 Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options) {
     if (auto valid = validate(options); !valid) return valid.error();
     if (auto valid = check(problem); !valid) return valid.error();
 
     std::vector<PairTask> tasks = list_pairs(problem);
     estimate_unknown(tasks, options.constraint);
-    auto components = solve_components(problem, tasks, options);
+    MergeResult result;
+    auto components = solve_components(problem, tasks, options, result);
     if (!components) return components.error();
 
-    MergeResult result;
     result.set_aside = set_aside(problem, tasks);
     for (PairTask& task : tasks) {
         result.reused += task.known ? 1 : 0;

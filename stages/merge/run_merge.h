@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "graph/ids.h"
@@ -56,9 +58,15 @@ struct MergeResult {
     /// What each effective cluster that holds a model stands on, by its number.
     std::vector<ComponentPlace> places;
     std::optional<GpsPosition> datum;  ///< see PlacedComponents
-    std::uint32_t reused = 0;          ///< constraints taken from MergeProblem::known
-    std::uint32_t dropped = 0;         ///< accepted constraints that the pose graph contradicts
+    /// mean_depths() of each model, ascending by cluster.
+    std::vector<std::pair<ClusterId, std::shared_ptr<const std::vector<double>>>> depths;
+    std::uint32_t reused = 0;   ///< constraints taken from MergeProblem::known
+    std::uint32_t dropped = 0;  ///< accepted constraints that the pose graph contradicts
 };
+
+/// Clusters whose points run_merge() looks at: those with a constraint that is not known. The
+/// others may come without, as long as their depths are known. Ascending.
+std::vector<ClusterId> clusters_to_look_into(const MergeProblem& problem);
 
 /// Puts the clusters' models into one frame (paper sec. "Cluster Pose Estimation"):
 /// a Sim(3) by RANSAC for every edge between two clusters, its neighbourhood similarity, a final

@@ -318,5 +318,45 @@ TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
     EXPECT_EQ(table.image_count(), 6U);
 }
 
+TEST(ClusterTable, CleanClustersRestWhenTheyAreRestored) {
+    for (const bool is_dirty : {false, true}) {
+        ClusterTable table(kMuMin);
+        ClusterEntry entry;
+        entry.id = cluster(0);
+        entry.members = images({0, 1, 2});
+        entry.topology = 4;
+        entry.solved_topology = is_dirty ? 3 : 4;
+        entry.revision = 1;
+        table.restore(entry);
+        entry.model = solve_of(entry, entry.members).solution.model;
+        entry.material = {{entry.id, entry.revision, entry.model}};
+        entry.depths = std::make_shared<const std::vector<double>>(3, 1.0);
+        table.restore_models(entry);
+        EXPECT_EQ(table.entries().at(cluster(0)).rests, !is_dirty);
+        EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2})});
+        EXPECT_EQ(table.take_dirty().size(), is_dirty ? 1U : 0U);
+    }
+}
+
+TEST(ClusterTable, WhatAMergeFoundIsOfTheModelThatItHad) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    solve_dirty(table);
+    const ClusterEntry& entry = table.entries().at(cluster(0));
+    const auto merged = entry.model;
+    const auto depths = std::make_shared<const std::vector<double>>(3, 1.0);
+    EXPECT_FALSE(ClusterTable::may_rest(entry)) << "not merged yet";
+    table.learn_depths(cluster(0), merged, depths);
+    EXPECT_EQ(entry.depths, depths);
+    EXPECT_TRUE(ClusterTable::may_rest(entry));
+    table.apply(members(0, {0, 1, 2, 3}));
+    EXPECT_FALSE(ClusterTable::may_rest(entry));
+    solve_dirty(table);
+    EXPECT_EQ(entry.depths, nullptr);
+    table.learn_depths(cluster(0), merged, depths);
+    EXPECT_EQ(entry.depths, nullptr) << "of the model before";
+    table.learn_depths(cluster(7), merged, depths);
+}
+
 }  // namespace
 }  // namespace psfm

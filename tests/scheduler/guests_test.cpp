@@ -78,7 +78,7 @@ TEST(Guests, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
     other.model = solve_of(other, images({4, 5, 6, 7})).solution.model;
     other.material = {{other.id, other.revision, other.model}};
     table.restore(other);
-    table.end_restore();
+    for (const ClusterEntry& entry : {host, other}) table.restore_models(entry);
     EXPECT_EQ(table.entries().at(cluster(0)).model, model);
     EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})});
     ASSERT_NE(table.entries().at(cluster(2)).model, nullptr);
@@ -156,7 +156,7 @@ TEST(AdoptedImages, AreRestored) {
     for (const auto& [id, entry] : before.entries()) table.restore(entry);
     table.restore_host(image(2), cluster(0));
     table.restore_adopted(image(2), cluster(1));
-    table.end_restore();
+    for (const auto& [id, entry] : before.entries()) table.restore_models(entry);
     EXPECT_TRUE(table.is_adopted(image(2)));
     EXPECT_EQ(table.images_of(table.entries().at(cluster(1))), images({2, 4, 5, 6}));
     EXPECT_EQ(table.images_of(table.entries().at(cluster(0))), images({0, 1, 3}));

@@ -128,5 +128,36 @@ TEST(UnplacedImages, AreNotTriedAgainOnceAdopted) {
     EXPECT_TRUE(unplaced_images(state, {}).empty());
 }
 
+/// The last version shows clusters as they are.
+void publish(SessionState& state) {
+    auto scene = std::make_shared<Scene>();
+    for (const auto& [id, entry] : state.clusters.entries()) {
+        auto shown = std::make_shared<SceneCluster>();
+        shown->id = id;
+        shown->revision = entry.revision;
+        shown->model = entry.model;
+        scene->clusters.push_back(std::move(shown));
+    }
+    state.scene = std::move(scene);
+}
+
+TEST(UnplacedImages, AreTriedAgainWhenWhatTheySeeWasSolvedAgain) {
+    SessionState state = state_with_stray();
+    publish(state);
+    EXPECT_TRUE(unplaced_images(state, {}).empty());
+    for (const std::uint32_t solved : {0U, 1U}) {
+        publish(state);
+        ClusterEntry again = state.clusters.entries().at(ClusterId{solved});
+        ++again.revision;
+        state.clusters.restore(again);
+        EXPECT_EQ(unplaced_images(state, {}).size(), 1U) << "cluster " << solved;
+    }
+    publish(state);
+    ClusterEntry third = cluster_of(2, 13, 19, kTrueFocal);
+    third.revision = 1;
+    state.clusters.restore(third);
+    EXPECT_TRUE(unplaced_images(state, {}).empty()) << "it sees nothing of that";
+}
+
 }  // namespace
 }  // namespace psfm

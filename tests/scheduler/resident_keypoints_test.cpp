@@ -125,7 +125,7 @@ TEST(KeypointsOfASession, LeaveMemoryAndChangeNothing) {
         const testing::TemporaryFolder folder;
         const auto store = open(folder);
         SerialSession session(*store, walls.scene, walls.pairs);
-        session.keep_idle_keypoints(budget);
+        session.keep_idle(budget);
         for (std::uint32_t i = 0; i < TwoWalls::kFirst + TwoWalls::kBetween; ++i)
             ASSERT_TRUE(session.add_image());
         EXPECT_EQ(session.state().keypoints[0] == nullptr, budget == 0);

@@ -78,8 +78,7 @@ CommitInput SerialSession::merged(const MergeMessage& merge) {
     using Outcome = MergedMessage::Outcome;
     auto result = run_merge(*merge.problem, options_.merge);
     EXPECT_TRUE(result.ok());
-    auto adoptions =
-        adoption_trials_.find(*merge.problem, *result, *merge.unplaced, options_.solve);
+    auto adoptions = find_adoptions(*merge.problem, *result, *merge.unplaced, options_.solve);
     return MergedMessage{
         merge.problem, merge.unplaced,
         std::make_shared<const Result<Outcome>>(Outcome{*std::move(result), std::move(adoptions)}),

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "scheduler/committer.h"
-#include "stages/reconstruction/adoption_trials.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm::test {
@@ -36,8 +35,8 @@ class SerialSession {
     /// Merges take until release_merge(), which lets the one in flight end.
     void hold_merges() { holds_merges_ = true; }
     void release_merge();
-    /// See ResidentKeypoints::set_budget.
-    void keep_idle_keypoints(std::size_t bytes) { committer_->keep_idle_keypoints(bytes); }
+    /// See Committer::keep_idle.
+    void keep_idle(std::size_t bytes) { committer_->keep_idle(bytes); }
     /// What merges say that they took from now on.
     void merges_take(double milliseconds) { merge_ms_ = milliseconds; }
 
@@ -59,7 +58,6 @@ class SerialSession {
     const synthetic::SyntheticScene* scene_;
     const std::vector<VerifiedPairPtr>* pairs_;
     StageOptions options_;
-    AdoptionTrials adoption_trials_;
     std::unique_ptr<Committer> committer_;
     std::vector<SessionEvent> events_;
     std::vector<std::uint32_t> reported_;

@@ -34,7 +34,7 @@ int resume(const ResumeArguments& arguments) {
     request.input = settings->photo_folder;
     request.config = *std::move(config);
     request.execution.threads = arguments.threads;
-    request.execution.idle_keypoint_bytes = idle_keypoint_bytes(store_options);
+    request.execution.idle_bytes = idle_bytes(store_options);
     request.log_file = arguments.log;
     return run_and_report(**store, request);
 }

@@ -50,7 +50,7 @@ void add_cache_option(CLI::App& command, std::size_t& mib) {
         .add_option("--cache", mib,
                     "Memory for features and records that are used again, and for those that are "
                     "on their way to the disk [MiB]; an eighth as much beside it for keypoints "
-                    "of clusters that rest")
+                    "of clusters that rest, and an eighth for their points")
         ->check(CLI::Range(64, 1 << 20))
         ->capture_default_str();
 }
@@ -133,7 +133,7 @@ int start_session(const SessionArguments& arguments, const std::filesystem::path
     request.input = input;
     request.config = std::move(config);
     request.execution.threads = arguments.threads;
-    request.execution.idle_keypoint_bytes = idle_keypoint_bytes(store_options);
+    request.execution.idle_bytes = idle_bytes(store_options);
     request.log_file = arguments.log;
     request.watch = watch;
     return run_and_report(**store, request);

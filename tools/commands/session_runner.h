@@ -26,8 +26,8 @@ struct RunRequest {
     std::string go_on_command = "resume";          ///< what goes on after a Ctrl-C
 };
 
-/// What `--cache` leaves for the keypoints of clusters that rest.
-inline std::size_t idle_keypoint_bytes(const StoreOptions& options) {
+/// What `--cache` leaves for the keypoints of clusters that rest, and again for their points.
+inline std::size_t idle_bytes(const StoreOptions& options) {
     return options.cache_bytes / 8;
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stages/merge/find_contradictions.h"
 #include "stages/merge/keep_frame.h"
 #include "tests/stages/merge/cut_scene.h"
 
@@ -168,6 +169,40 @@ TEST(RunMerge, OnlyWhatChangedIsEstimatedAgain) {
     problem.clusters[2].revision = 1;
     problem.pairs[0].edges.pop_back();
     EXPECT_EQ(merged(problem).reused, problem.pairs.size() - 1);
+}
+
+TEST(RunMerge, LooksAtThePointsOfClustersThatChangedAndOfTheirNeighborsOnly) {
+    const CutScene cut = test::cut_ring({12, 15, 10, 11}, 6);
+    MergeProblem problem = cut.problem();
+    EXPECT_EQ(clusters_to_look_into(problem).size(), 4U);
+    MergeResult first = merged(problem);
+    problem.known = first.constraints;
+    EXPECT_TRUE(clusters_to_look_into(problem).empty());
+    std::erase_if(problem.pairs, [](const ClusterPairEdges& pair) {
+        return pair.a == ClusterId{0} && pair.b == ClusterId{2};
+    });
+    problem.clusters[0].revision = 2;
+    for (const ClusterPairEdges& pair : problem.pairs)
+        ASSERT_FALSE(pair.a == ClusterId{0} && pair.b == ClusterId{2});
+    const auto asked = clusters_to_look_into(problem);
+    EXPECT_EQ(asked, (std::vector{ClusterId{0}, ClusterId{1}, ClusterId{3}}));
+    const MergeResult whole = merged(problem);
+
+    ASSERT_EQ(first.depths.size(), 4U);
+    for (std::size_t c = 0; c < 4; ++c) {
+        EXPECT_EQ(first.depths[c].first, problem.clusters[c].id);
+        EXPECT_EQ(*first.depths[c].second, mean_depths(*problem.clusters[c].model));
+        problem.clusters[c].depths = first.depths[c].second;
+    }
+    auto poses = std::make_shared<Reconstruction>(*problem.clusters[2].model);
+    poses->points = {};
+    problem.clusters[2].model = poses;
+    const MergeResult without = merged(problem);
+    for (std::size_t c = 0; c < 4; ++c) {
+        EXPECT_EQ(without.placements[c].world_from_cluster.translation,
+                  whole.placements[c].world_from_cluster.translation);
+        EXPECT_EQ(without.depths[c].second, first.depths[c].second);
+    }
 }
 
 /// A cluster whose model is not shown for one version.

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/resident_models.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tests/scheduler/serial_session.h"
+#include "tests/storage/test_session.h"
+#include "tests/synthetic/verified_pairs.h"
+
+namespace psfm {
+namespace {
+
+using test::SerialSession;
+
+std::unique_ptr<SessionStore> open(const testing::TemporaryFolder& folder) {
+    auto store = SessionStore::open(folder.session(), {});
+    EXPECT_TRUE(store.ok());
+    return *std::move(store);
+}
+
+/// A session whose only cluster is clean and merged.
+class ResidentModelsTest : public ::testing::Test {
+  protected:
+    static constexpr std::uint32_t kImages = 4;
+    static constexpr ClusterId kCluster{0};
+
+    ResidentModelsTest() : store_(open(folder_)) {
+        EXPECT_TRUE(testing::finish(*store_, kImages));
+        const StoredSolution solution = testing::expected_solution(kImages - 1);
+        ClusterEntry entry;
+        entry.id = kCluster;
+        entry.members = store_->clusters()->front().members;
+        entry.topology = entry.solved_topology = 1;
+        entry.revision = solution.revision;
+        entry.model = solution.model;
+        entry.depths = std::make_shared<const std::vector<double>>(kImages, 1.0);
+        entry.material = {{kCluster, entry.revision, entry.model}};
+        table_.restore(std::move(entry));
+        models_.set_budget(0);
+        EXPECT_TRUE(use().ok());
+    }
+    const ClusterEntry& entry() const { return table_.entries().at(kCluster); }
+    Result<void> use() { return models_.use(std::span(&kCluster, 1), table_, *store_); }
+    void let_uses_pass(std::uint64_t uses) {
+        for (std::uint64_t i = 0; i < uses; ++i) EXPECT_TRUE(models_.use({}, table_, *store_).ok());
+    }
+
+    testing::TemporaryFolder folder_;
+    std::unique_ptr<SessionStore> store_;
+    ClusterTable table_{2};
+    ResidentModels models_;
+};
+
+TEST_F(ResidentModelsTest, LeavesPointsToTheStoreAndReadsThemBack) {
+    const auto model = entry().model;
+    ASSERT_FALSE(model->points.empty());
+    let_uses_pass(ResidentModels::kUsesKept);
+    models_.release(table_);
+    ASSERT_TRUE(entry().rests);
+    EXPECT_TRUE(entry().model->points.empty());
+    EXPECT_EQ(entry().material.front().model, entry().model);
+    ASSERT_EQ(entry().model->images.size(), model->images.size());
+    EXPECT_EQ(entry().model->cameras.size(), model->cameras.size());
+    ASSERT_TRUE(use().ok());
+    EXPECT_FALSE(entry().rests);
+    EXPECT_EQ(entry().material.front().model, entry().model);
+    ASSERT_EQ(entry().model->points.size(), model->points.size());
+    for (std::size_t p = 0; p < model->points.size(); ++p) {
+        EXPECT_EQ(entry().model->points[p].position, model->points[p].position);
+        EXPECT_EQ(entry().model->points[p].track, model->points[p].track);
+    }
+}
+
+TEST_F(ResidentModelsTest, KeepsWhatWasUsedLately) {
+    let_uses_pass(ResidentModels::kUsesKept - 1);
+    models_.release(table_);
+    EXPECT_FALSE(entry().rests);
+    let_uses_pass(1);
+    models_.set_budget(entry().model->points.bytes());
+    models_.release(table_);
+    EXPECT_FALSE(entry().rests) << "within the budget";
+    models_.set_budget(entry().model->points.bytes() - 1);
+    models_.release(table_);
+    EXPECT_TRUE(entry().rests);
+}
+
+TEST_F(ResidentModelsTest, KeepsWhatTheStoreMayNotHave) {
+    let_uses_pass(ResidentModels::kUsesKept);
+    table_.make_dirty(std::span(&kCluster, 1));
+    models_.release(table_);
+    EXPECT_FALSE(entry().rests) << "to be solved";
+    table_.take_dirty();
+    models_.release(table_);
+    EXPECT_FALSE(entry().rests) << "being solved";
+}
+
+TEST_F(ResidentModelsTest, SaysWhatIsNotInTheStore) {
+    ClusterEntry newer = entry();
+    ++newer.revision;
+    table_.restore(newer);
+    let_uses_pass(ResidentModels::kUsesKept);
+    models_.release(table_);
+    ASSERT_TRUE(entry().rests);
+    const auto read = use();
+    ASSERT_FALSE(read.ok());
+    EXPECT_NE(read.error().message.find("cluster 0"), std::string::npos) << read.error().message;
+}
+
+/// A wall in parts of twelve images with weak edges between them, and two more images of the first
+/// part at the end.
+struct Wall {
+    static constexpr std::uint32_t kOfPart = 12;
+    static constexpr std::uint32_t kParts = 4;
+    static constexpr std::uint32_t kImages = kParts * kOfPart;
+    static constexpr std::uint32_t kLast = 2;  // images of the first part that come last
+    synthetic::SyntheticScene scene;
+    std::vector<VerifiedPairPtr> pairs;
+
+    Wall() {
+        std::vector<std::size_t> order;
+        for (std::size_t i = kLast; i < kImages; ++i) order.push_back(i);
+        for (std::size_t i = 0; i < kLast; ++i) order.push_back(i);
+        scene = synthetic::reorder_images(
+            synthetic::make_scene(synthetic::line_along_wall(kImages), 3), order);
+        const auto part = [&](ImageId image) { return order[index_of(image)] / kOfPart; };
+        for (const VerifiedPairPtr& pair : synthetic::make_verified_pairs(scene)) {
+            VerifiedPair kept = *pair;
+            auto& inliers = kept.geometry.inliers;
+            if (part(kept.pair.first) != part(kept.pair.second)) {
+                const auto [from, to] = std::minmax(order[index_of(kept.pair.first)],
+                                                    order[index_of(kept.pair.second)]);
+                if (to - from > 2) continue;
+                inliers.resize(std::min<std::size_t>(inliers.size(), 40));
+            }
+            pairs.push_back(std::make_shared<const VerifiedPair>(kept));
+        }
+    }
+};
+
+TEST(ModelsOfASession, RestAndChangeNothing) {
+    const Wall wall;
+    std::vector<Scene> scenes;
+    for (const std::size_t budget : {std::size_t{1} << 30U, std::size_t{0}}) {
+        const testing::TemporaryFolder folder;
+        const auto store = open(folder);
+        SerialSession session(*store, wall.scene, wall.pairs);
+        session.keep_idle(budget);
+        const ClusterTable& clusters = session.state().clusters;
+        for (std::uint32_t i = 0; i + Wall::kLast < Wall::kImages; ++i)
+            ASSERT_TRUE(session.add_image());
+        ASSERT_GE(clusters.entries().size(), 3U);
+        ASSERT_EQ(session.state().counts.effective_clusters, 1U);
+        EXPECT_EQ(clusters.of(ImageId{0}).rests, budget == 0);
+        for (const auto& shown : session.state().scene->clusters) {
+            const ClusterEntry& entry = clusters.entries().at(shown->id);
+            EXPECT_EQ(shown->model, entry.model) << "nobody else has the points";
+        }
+        ASSERT_TRUE(session.add_image());
+        ASSERT_TRUE(session.add_image());
+        EXPECT_FALSE(clusters.of(ImageId{0}).rests);
+        session.end();
+        auto scene = store->scene();
+        ASSERT_TRUE(scene.ok());
+        scenes.push_back(*std::move(scene));
+    }
+    ASSERT_EQ(scenes[0].clusters.size(), scenes[1].clusters.size());
+    std::size_t placed = 0;
+    for (std::size_t c = 0; c < scenes[0].clusters.size(); ++c) {
+        ASSERT_EQ(scenes[0].clusters[c]->model == nullptr, scenes[1].clusters[c]->model == nullptr);
+        if (!scenes[0].clusters[c]->model) continue;
+        const Reconstruction& kept = *scenes[0].clusters[c]->model;
+        const Reconstruction& read = *scenes[1].clusters[c]->model;
+        ASSERT_EQ(kept.images.size(), read.images.size());
+        placed += kept.images.size();
+        for (std::size_t i = 0; i < kept.images.size(); ++i) {
+            EXPECT_EQ(kept.images[i].cam_from_cluster.translation,
+                      read.images[i].cam_from_cluster.translation);
+        }
+        ASSERT_EQ(kept.points.size(), read.points.size());
+        for (std::size_t p = 0; p < kept.points.size(); ++p)
+            EXPECT_EQ(kept.points[p].position, read.points[p].position);
+    }
+    EXPECT_GE(placed, Wall::kImages - 1) << "one is left out between two parts";
+}
+
+}  // namespace
+}  // namespace psfm
