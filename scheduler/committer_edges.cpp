@@ -25,6 +25,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     if (const auto done = store_->commit_pairs(image, pairs, edit->changed, edit->removed);
         !done.ok())
         return done;
+    store_->give_up_cache(bytes_of(pairs));
     PendingImage& pending = state_.pending[index_of(image)];
     pending.verified = true;
     pending.report.retrieve_ms = message.retrieve_ms;

@@ -21,6 +21,7 @@ class PhotographFrontEnd final : public FrontEnd {
         for (const CommittedImage& known : parts.committed) {
             known_.push_back({known.image.id, known.camera, known.image.metadata.content_hash});
         }
+        make_room();
     }
 
     Result<ExtractedPhoto> extract(const PhotoFile& photo) const override {
@@ -36,6 +37,7 @@ class PhotographFrontEnd final : public FrontEnd {
         const auto found = run_retrieval(retrieval_, accepted.image.id, *accepted.descriptors,
                                          descriptors, options_.retrieval);
         if (!found.ok()) return found.error();
+        make_room();
         std::vector<KnownImage> candidates;
         for (const RetrievalCandidate& candidate : found->candidates) {
             candidates.push_back(known_[index_of(candidate.image)]);
@@ -71,10 +73,18 @@ class PhotographFrontEnd final : public FrontEnd {
     }
 
   private:
+    /// For the index, which is in memory as a whole.
+    void make_room() {
+        const std::size_t bytes = std::max(index_bytes_, retrieval_.index.bytes());
+        store_.give_up_cache(bytes - index_bytes_);
+        index_bytes_ = bytes;
+    }
+
     const SessionReader& store_;
     const StageOptions& options_;
     std::uint64_t seed_;
     RetrievalState retrieval_;
+    std::size_t index_bytes_ = 0;    // that the cache has made room for
     std::vector<KnownImage> known_;  // by id
 };
 

@@ -60,6 +60,7 @@ Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionO
         const auto pairs = store.pairs_of(image);
         if (!pairs.ok()) return pairs.error();
         select_edges(state.edges, state.view_graph, image, *pairs, options);
+        store.give_up_cache(bytes_of(*pairs));
     }
     const auto clusters = store.clusters();
     if (!clusters.ok()) return clusters.error();
@@ -148,6 +149,16 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
 }
 
 }  // namespace
+
+std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs) {
+    // Either image knows the other, as a plausible neighbor and in the view graph.
+    constexpr std::size_t kEdges = 2 * (sizeof(EdgeSelection::Edge) + sizeof(ViewGraph::Edge));
+    std::size_t bytes = 0;
+    for (const VerifiedPairPtr& pair : pairs)
+        bytes +=
+            sizeof(VerifiedPair) + kEdges + pair->geometry.inliers.size() * sizeof(FeatureMatch);
+    return bytes;
+}
 
 Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
                                         const StageOptions& options) {

@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -70,6 +71,9 @@ struct RestoredSession {
 /// @errors those of the store
 Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
                                         const StageOptions& options);
+
+/// Memory that verified pairs take for as long as the session is open, about.
+std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs);
 
 /// Members of clusters that are in no published model, with the reason, ascending by image.
 std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,

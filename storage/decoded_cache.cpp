@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/decoded_cache.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace psfm {
@@ -15,19 +16,31 @@ std::shared_ptr<const void> DecodedCache::find_any(const Key& key) {
 }
 
 void DecodedCache::put(const Key& key, std::shared_ptr<const void> value, std::size_t bytes) {
-    if (bytes > capacity_bytes_) return;
     // Values are freed after the lock is gone: large ones take a while.
     std::list<Entry> dropped;
     const std::lock_guard lock(mutex_);
-    if (by_key_.contains(key)) return;
+    if (bytes > capacity_bytes_ || by_key_.contains(key)) return;
+    dropped = drop_for(bytes);
+    entries_.push_front({key, std::move(value), bytes});
+    by_key_.emplace(key, entries_.begin());
+    used_bytes_ += bytes;
+}
+
+void DecodedCache::give_up(std::size_t bytes) {
+    std::list<Entry> dropped;
+    const std::lock_guard lock(mutex_);
+    capacity_bytes_ -= std::min(bytes, capacity_bytes_ - least_bytes_);
+    dropped = drop_for(0);
+}
+
+std::list<DecodedCache::Entry> DecodedCache::drop_for(std::size_t bytes) {
+    std::list<Entry> dropped;
     while (used_bytes_ + bytes > capacity_bytes_) {
         used_bytes_ -= entries_.back().bytes;
         by_key_.erase(entries_.back().key);
         dropped.splice(dropped.begin(), entries_, std::prev(entries_.end()));
     }
-    entries_.push_front({key, std::move(value), bytes});
-    by_key_.emplace(key, entries_.begin());
-    used_bytes_ += bytes;
+    return dropped;
 }
 
 std::size_t DecodedCache::used_bytes() const {

@@ -24,7 +24,11 @@ class DecodedCache {
         auto operator<=>(const Key&) const = default;
     };
 
-    explicit DecodedCache(std::size_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
+    /// A cache never becomes smaller than this part of what it was given.
+    static constexpr std::size_t kLeastPart = 4;
+
+    explicit DecodedCache(std::size_t capacity_bytes)
+        : least_bytes_(capacity_bytes / kLeastPart), capacity_bytes_(capacity_bytes) {}
 
     /// nullptr when it is not there. REQUIRES: T is what was put under keys of this kind
     template <typename T>
@@ -33,6 +37,9 @@ class DecodedCache {
     }
     /// A value above the capacity is not kept.
     void put(const Key& key, std::shared_ptr<const void> value, std::size_t bytes);
+
+    /// Becomes smaller by so many bytes, as far as it may, and stays so.
+    void give_up(std::size_t bytes);
 
     std::size_t used_bytes() const;
 
@@ -43,9 +50,12 @@ class DecodedCache {
         std::size_t bytes = 0;
     };
     std::shared_ptr<const void> find_any(const Key& key);
+    /// What has to go for so many bytes more. REQUIRES: the lock; they are within the capacity
+    std::list<Entry> drop_for(std::size_t bytes);
 
-    const std::size_t capacity_bytes_;
+    const std::size_t least_bytes_;
     mutable std::mutex mutex_;
+    std::size_t capacity_bytes_;
     std::list<Entry> entries_;  // latest use first
     std::map<Key, std::list<Entry>::iterator> by_key_;
     std::size_t used_bytes_ = 0;

@@ -53,6 +53,7 @@ class ReaderOf : public Interface {
     Result<CheckReport> check(const std::function<void(std::uint64_t)>& progress) const override {
         return check_session(*database_, progress);
     }
+    void give_up_cache(std::size_t bytes) const override { reads_.give_up_cache(bytes); }
     Result<void> refresh() override {
         const auto followed = database_->catch_up();
         if (!followed) return followed.error();

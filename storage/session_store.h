@@ -167,6 +167,9 @@ class SessionReader {
     virtual Result<IntactImages> intact_images() const = 0;
     virtual Result<CheckReport> check(
         const std::function<void(std::uint64_t done)>& progress) const = 0;
+    /// Who works with the session keeps so many bytes more in memory, for as long as it is open:
+    /// the cache of decoded records becomes smaller by that, down to a quarter. Thread-safe.
+    virtual void give_up_cache(std::size_t bytes) const = 0;
     /// Follows the writer (readers in other processes); does nothing in the writer itself.
     virtual Result<void> refresh() = 0;
 };

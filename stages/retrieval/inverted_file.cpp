@@ -57,6 +57,12 @@ void InvertedFile::add(std::span<const std::uint32_t> words) {
     lengths_.push_back(static_cast<float>(std::sqrt(squared_length)));
 }
 
+std::size_t InvertedFile::bytes() const {
+    std::size_t capacity = 0;
+    for (const std::vector<Posting>& postings : postings_) capacity += postings.capacity();
+    return capacity * sizeof(Posting) + lengths_.capacity() * sizeof(float);
+}
+
 void InvertedFile::refresh_weights() {
     const auto images = static_cast<double>(image_count());
     std::vector<double> squared_lengths(image_count());

@@ -41,6 +41,8 @@ class InvertedFile {
     std::vector<ScoredImage> most_similar(std::span<const std::uint32_t> words, std::size_t count,
                                           std::size_t max_postings) const;
 
+    /// Memory that the images take, about. Linear in the words.
+    std::size_t bytes() const;
     std::size_t image_count() const { return lengths_.size(); }
     std::size_t word_count() const { return postings_.size(); }
     bool operator==(const InvertedFile&) const = default;

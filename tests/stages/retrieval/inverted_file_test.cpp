@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "tests/synthetic/rng.h"
 
@@ -135,6 +136,16 @@ TEST(InvertedFile, RarestWordsAreReadFirstWhenReadingIsLimited) {
     EXPECT_EQ(found[0].image, 9U);
     EXPECT_EQ(index.most_similar(Words{0, 1}, 100, 10).size(), 10U);
     EXPECT_EQ(index.most_similar(Words{0}, 100, 5).size(), 9U);  // the first word is always read
+}
+
+TEST(InvertedFile, TellsHowMuchItKeeps) {
+    InvertedFile file(1000);
+    EXPECT_EQ(file.bytes(), 0U);
+    std::vector<std::uint32_t> words(100);
+    std::iota(words.begin(), words.end(), 0U);
+    for (std::uint32_t image = 0; image < 16; ++image) file.add(words);
+    EXPECT_GE(file.bytes(), 16U * 100U * 4U);
+    EXPECT_LE(file.bytes(), 2U * 16U * (100U * 4U + 4U));
 }
 
 TEST(InvertedFile, RepetitionsOfAWordAreDampedAndBounded) {
