@@ -238,6 +238,16 @@ std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     return taken;
 }
 
+const ClusterEntry* ClusterTable::begin_taken(ClusterId cluster) {
+    const auto found = entries_.find(cluster);
+    if (found == entries_.end()) return nullptr;
+    ClusterEntry& entry = found->second;
+    if (entry.phase == ClusterPhase::kSolving) return &entry;
+    entry.phase = ClusterPhase::kClean;
+    make_dirty(entry);
+    return nullptr;
+}
+
 const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterSolution& solution,
                                          bool solved) {
     const auto found = entries_.find(problem.cluster);

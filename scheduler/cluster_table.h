@@ -118,6 +118,9 @@ class ClusterTable {
     std::vector<const ClusterEntry*> take_dirty();
     /// Clean clusters with a model that has not settled. They become kSolving.
     std::vector<const ClusterEntry*> take_unsettled();
+    /// The solve of a taken cluster begins only now. @return null where it has gone, or has become
+    /// dirty meanwhile: then it is to be solved as that
+    const ClusterEntry* begin_taken(ClusterId cluster);
 
     /// Takes over a result. @return the entry when the result became its published model; null when
     /// the cluster has changed or gone meanwhile (counted as coalesced)

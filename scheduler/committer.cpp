@@ -143,6 +143,7 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
                              : message.problem->recycled.front();
         solution.state = message.problem->recycled_state;
     }
+    if (message.problem->settle) --settling_;
     const SolveStatistics& statistics = solution.statistics;
     switch (statistics.kind) {
         case SolveKind::kNew:
@@ -270,6 +271,7 @@ Result<void> Committer::advance(CommitOutput& output) {
         std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
     const bool ended = photos_expected_ == photos_seen_;
     const bool hold = config_.batch && !(ended && all_verified);
+    if (const auto settled = go_on_settling(output); !settled.ok()) return settled;
     if (!hold) {
         const auto started = start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
         if (!started.ok()) return started;
@@ -279,12 +281,8 @@ Result<void> Committer::advance(CommitOutput& output) {
     const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
         settle_first_ = false;
-        const std::size_t others = output.solves.size();
-        const auto started =
-            start_solves(state_.clusters.take_unsettled(), /*settle=*/true, output);
-        if (!started.ok()) return started;
-        const auto settling = std::span(std::as_const(output.solves)).subspan(others);
-        if (!settling.empty()) events_.push_back(describe_settling(settling));
+        begin_settling();
+        if (const auto settled = go_on_settling(output); !settled.ok()) return settled;
     }
     const bool quiet = all_verified && !state_.clusters.busy();
     const bool due = changed_ && !merging_ && !hold && time_for_version(quiet);

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <set>
@@ -46,6 +48,11 @@ class Committer {
         state_.models.set_budget(bytes);
     }
 
+    /// Models that settle side by side in a session that is not deterministic; the others have
+    /// their points and keypoints in the store meanwhile. Raised: more memory; below the number of
+    /// threads: some have nothing to do.
+    void settle_at_once(std::size_t models) { settles_at_once_ = models; }
+
   private:
     Result<void> on(const CatchUp& message, CommitOutput& output);
     Result<void> on(const ExtractedMessage& message, CommitOutput& output);
@@ -88,6 +95,11 @@ class Committer {
     /// @errors those of the store
     Result<void> start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
                               CommitOutput& output);
+    /// All that has not settled is to settle, the largest model first.
+    void begin_settling();
+    /// What is to settle does, as much of it as may at once. Deterministic sessions settle all from
+    /// one and the same state. @errors those of the store
+    Result<void> go_on_settling(CommitOutput& output);
     /// Deterministic sessions publish when everything is solved; others as soon as there is
     /// something new, but leave time for other work, each piece of which ends in advance().
     /// @param quiet  there is no such work
@@ -115,6 +127,9 @@ class Committer {
     bool changed_ = false;                          // something is to be merged and published
     bool catching_up_ = false;                      // an image token is held for that
     bool settle_first_ = false;                     // an earlier process was settling
+    std::deque<ClusterId> to_settle_;               // taken from the table, and not begun yet
+    std::size_t settling_ = 0;                      // begun, and not solved yet
+    std::size_t settles_at_once_ = 8;
     bool failed_ = false;
 };
 

@@ -136,19 +136,19 @@ SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const s
     return event;
 }
 
-SessionEvent describe_settling(std::span<const SolveMessage> solves) {
+SessionEvent describe_settling(std::span<const SettlingModel> models) {
     SessionEvent event;
     event.kind = SessionEvent::Kind::kSettle;
     std::size_t largest = 0;
-    for (const SolveMessage& solve : solves) {
-        event.clusters.push_back(index_of(solve.problem->cluster));
-        largest = std::max(largest, solve.problem->images.size());
+    for (const SettlingModel& model : models) {
+        event.clusters.push_back(index_of(model.cluster));
+        largest = std::max(largest, model.images);
     }
     const std::string images = std::to_string(largest) + " images";
-    event.text = solves.size() == 1 ? "settling the model of " + images
-                                    : "settling " + std::to_string(solves.size()) +
+    event.text = models.size() == 1 ? "settling the model of " + images
+                                    : "settling " + std::to_string(models.size()) +
                                           " models, the largest of " + images;
-    event.detail_json = nlohmann::json{{"models", solves.size()}, {"largest", largest}}.dump();
+    event.detail_json = nlohmann::json{{"models", models.size()}, {"largest", largest}}.dump();
     return event;
 }
 

@@ -28,8 +28,12 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
 /// An image that `from` could not place goes to another cluster.
 SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const std::string& name);
 
+struct SettlingModel {
+    ClusterId cluster{};
+    std::size_t images = 0;
+};
 /// Models begin to be adjusted to convergence, which takes minutes for thousands of images.
-SessionEvent describe_settling(std::span<const SolveMessage> solves);
+SessionEvent describe_settling(std::span<const SettlingModel> models);
 
 /// @param outcome    as the solve stage returned it: an error is told
 /// @param solution   what was made of it

@@ -123,6 +123,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     parts.committed_images = restored->state.verified;
     Committer committer(store, config, *options, std::move(restored->state));
     committer.keep_idle(execution.idle_bytes);
+    committer.settle_at_once(2 * static_cast<std::size_t>(threads));
     Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
     // A batch publishes nothing before its last image: it must not wait for that.
     Admission image_tokens(config.batch           ? std::numeric_limits<int>::max()

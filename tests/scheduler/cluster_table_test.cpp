@@ -300,6 +300,23 @@ TEST(ClusterTable, SettlesOnce) {
     EXPECT_EQ(table.take_dirty().size(), 1U);
 }
 
+TEST(ClusterTable, WhatChangesBeforeItSettlesIsSolvedFirst) {
+    ClusterTable table(kMuMin);
+    for (const std::uint32_t id : {0U, 1U}) {
+        table.apply(members(id, {4 * id, 4 * id + 1, 4 * id + 2}));
+        solve_dirty(table);
+    }
+    ASSERT_EQ(table.take_unsettled().size(), 2U);
+    table.apply(members(1, {4, 5, 6, 7}));
+    EXPECT_TRUE(table.take_dirty().empty()) << "it is taken";
+    EXPECT_EQ(table.begin_taken(cluster(0)), &table.entries().at(cluster(0)));
+    EXPECT_EQ(table.begin_taken(cluster(1)), nullptr);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(dirty.front()->id, cluster(1));
+    EXPECT_EQ(table.begin_taken(cluster(9)), nullptr);
+}
+
 TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
     ClusterTable table(kMuMin);
     ClusterEntry clean;

@@ -82,13 +82,7 @@ TEST(DescribeReset, NamesThreeImagesAndCountsTheOthers) {
 }
 
 TEST(DescribeEvents, SettlingNamesTheLargestModel) {
-    const auto solve_of = [](std::uint32_t cluster, std::size_t images) {
-        ClusterProblem problem;
-        problem.cluster = ClusterId{cluster};
-        problem.images.resize(images);
-        return SolveMessage{std::make_shared<const ClusterProblem>(problem)};
-    };
-    const std::vector<SolveMessage> two{solve_of(4, 7), solve_of(9, 120)};
+    const std::vector<SettlingModel> two{{ClusterId{4}, 7}, {ClusterId{9}, 120}};
     const SessionEvent event = describe_settling(two);
     EXPECT_EQ(event.kind, SessionEvent::Kind::kSettle);
     EXPECT_EQ(event.text, "settling 2 models, the largest of 120 images");

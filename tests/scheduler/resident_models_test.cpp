@@ -188,5 +188,37 @@ TEST(ModelsOfASession, RestAndChangeNothing) {
     EXPECT_GE(placed, Wall::kImages - 1) << "one is left out between two parts";
 }
 
+TEST(ModelsOfASession, SettleAFewAtATime) {
+    const Wall wall;
+    for (const bool is_deterministic : {false, true}) {
+        const testing::TemporaryFolder folder;
+        const auto store = open(folder);
+        SerialSession session(*store, wall.scene, wall.pairs, is_deterministic);
+        session.settle_at_once(2);
+        for (std::uint32_t i = 0; i < Wall::kImages; ++i) ASSERT_TRUE(session.add_image());
+        const std::size_t models = session.state().counts.clusters;
+        ASSERT_GE(models, 3U);
+        session.hold_solves();
+        session.end();
+        EXPECT_EQ(session.held_solves(), is_deterministic ? models : 2U);
+        session.release_solves();
+        EXPECT_EQ(session.state().counts.solves_settle, models);
+        EXPECT_FALSE(session.state().clusters.busy());
+        for (const auto& [id, entry] : session.state().clusters.entries()) {
+            if (entry.model) {
+                EXPECT_TRUE(entry.settled) << index_of(id);
+            }
+        }
+        EXPECT_EQ(
+            std::ranges::count(session.events(), SessionEvent::Kind::kSettle, &SessionEvent::kind),
+            1);
+        EXPECT_EQ(session.state().scene->version, store->scene()->version);
+        for (const auto& shown : session.state().scene->clusters) {
+            EXPECT_EQ(shown->revision, session.state().clusters.entries().at(shown->id).revision)
+                << "settled models are published";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace psfm

@@ -32,11 +32,14 @@ class SerialSession {
     /// Solves take until the next release_solves(); messages that follow overtake them.
     void hold_solves() { holds_solves_ = true; }
     void release_solves();
+    std::size_t held_solves() const { return held_.size(); }
     /// Merges take until release_merge(), which lets the one in flight end.
     void hold_merges() { holds_merges_ = true; }
     void release_merge();
     /// See Committer::keep_idle.
     void keep_idle(std::size_t bytes) { committer_->keep_idle(bytes); }
+    /// See Committer::settle_at_once.
+    void settle_at_once(std::size_t models) { committer_->settle_at_once(models); }
     /// What merges say that they took from now on.
     void merges_take(double milliseconds) { merge_ms_ = milliseconds; }
 
