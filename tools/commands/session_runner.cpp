@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/session_runner.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +21,29 @@
 
 namespace psfm {
 namespace {
+
+/// Gives memory back to the system that has been freed between blocks in use: what is read, kept
+/// for a while and dropped again leaves holes in the heap.
+class ReturnsMemory final : public SessionObserver {
+  public:
+    explicit ReturnsMemory(SessionObserver& observer) : observer_(&observer) {}
+
+    void on_publish(const PublishMessage& publish) override {
+        observer_->on_publish(publish);
+        images_ += publish.images.size();
+        if (images_ < kImagesBetween) return;
+        images_ = 0;
+        malloc_trim(0);
+    }
+
+  private:
+    /// Raised: more memory; lowered: the heap is gone through more often, and its pages come back
+    /// one by one. Ours.
+    static constexpr std::size_t kImagesBetween = 64;
+
+    SessionObserver* observer_;
+    std::size_t images_ = 0;
+};
 
 std::atomic<bool> stop_requested{
     false};  // NOLINT: what a signal handler may touch has to be global
@@ -128,7 +152,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     bool log_failed = false;
     {
         Progress progress(expected, std::move(log));
-        run = run_session(store, request.config, request.execution, *source, progress,
+        ReturnsMemory observer(progress);
+        run = run_session(store, request.config, request.execution, *source, observer,
                           stop_requested, request.salvage);
         if (run.ok()) progress.on_end(*run);
         log_failed = progress.log_failed();
