@@ -47,7 +47,7 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         // A cluster that lost its model shows none of its former solutions.
         shown->revision = cluster.model ? cluster.revision : 0;
         shown->members = state_.clusters.images_of(entry->second);
-        shown->model = entry->second.rests ? entry->second.model : cluster.model;
+        shown->model = cluster.model;
         if (shown->model && places_others_than(*shown->model, shown->members)) {
             // Images that have left, and guests that have a cluster of their own by now.
             shown->model = std::make_shared<const Reconstruction>(
