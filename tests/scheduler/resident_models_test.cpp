@@ -196,6 +196,67 @@ TEST(ModelsOfASession, RestAndChangeNothing) {
         << "one is left out between two parts";
 }
 
+/// Two parts of a wall, and two images that stand between them and come one by one after images of
+/// another wall: the first is one more of a part, the second joins the parts.
+struct Bridge {
+    static constexpr std::uint32_t kOfPart = 8;
+    static constexpr std::uint32_t kOther = 15;  // before each of the two
+    static constexpr std::uint32_t kImages = 2 * kOfPart + 2 + 2 * kOther;
+    synthetic::SyntheticScene scene;
+    std::vector<VerifiedPairPtr> pairs;
+
+    Bridge() {
+        constexpr std::size_t kOfWall = 2 * kOfPart + 2;
+        std::vector<std::size_t> order;
+        for (std::size_t i = 0; i < kOfWall; ++i) {
+            if (i != kOfPart && i != kOfPart + 1) order.push_back(i);
+        }
+        for (const std::size_t between : {0U, 1U}) {
+            for (std::size_t i = 0; i < kOther; ++i)
+                order.push_back(kOfWall + between * kOther + i);
+            order.push_back(kOfPart + between);
+        }
+        scene = synthetic::reorder_images(
+            synthetic::make_scene(synthetic::line_along_wall(kImages), 3), order);
+        const auto part = [&](ImageId image) {
+            const std::size_t place = order[index_of(image)];
+            if (place >= kOfWall) return 3;
+            if (place == kOfPart || place == kOfPart + 1) return 2;
+            return place < kOfPart ? 0 : 1;
+        };
+        for (const VerifiedPairPtr& pair : synthetic::make_verified_pairs(scene)) {
+            const int one = part(pair->pair.first);
+            const int other = part(pair->pair.second);
+            const bool is_bridge = (one == 2 && other < 2) || (other == 2 && one < 2);
+            if (one == other || is_bridge) pairs.push_back(pair);
+        }
+    }
+};
+
+TEST(ModelsOfASession, AreAwakeWhenTheirClustersJoin) {
+    const Bridge bridge;
+    const testing::TemporaryFolder folder;
+    const auto store = open(folder);
+    SerialSession session(*store, bridge.scene, bridge.pairs);
+    session.keep_idle(0);
+    const ClusterTable& clusters = session.state().clusters;
+    for (std::uint32_t i = 0; i + 1 < Bridge::kImages; ++i) ASSERT_TRUE(session.add_image());
+    const ImageId of_first{Bridge::kOfPart - 1};
+    const ImageId of_second{Bridge::kOfPart};
+    ASSERT_NE(clusters.of(of_first).id, clusters.of(of_second).id);
+    ASSERT_TRUE(clusters.of(of_first).rests);
+    ASSERT_TRUE(clusters.of(of_second).rests);
+    session.hold_solves();
+    ASSERT_TRUE(session.add_image());
+    const ClusterEntry& joined = clusters.of(of_first);
+    ASSERT_EQ(joined.id, clusters.of(of_second).id);
+    ASSERT_EQ(joined.material.size(), 2U);
+    for (const RecycledModel& material : joined.material)
+        EXPECT_FALSE(material.model->points.empty());
+    session.release_solves();
+    EXPECT_EQ(clusters.of(of_first).model->images.size(), 2U * Bridge::kOfPart + 2U);
+}
+
 TEST(ModelsOfASession, SettleAFewAtATime) {
     const Wall wall;
     for (const bool is_deterministic : {false, true}) {
