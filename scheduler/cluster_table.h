@@ -133,8 +133,8 @@ class ClusterTable {
     /// What a merge found of a cluster's model; nothing happens where it has another one by now.
     void learn_depths(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,
                       std::shared_ptr<const std::vector<double>> depths);
-    /// Whether the store has all of a cluster's points, and nobody has asked for them who did not
-    /// get them yet: it is clean, and its material is its published, merged model.
+    /// Whether the store has all that the next solve of a cluster, or a merge, will ask of it: the
+    /// cluster is clean, and its material is its published model, which was merged.
     static bool may_rest(const ClusterEntry& entry);
     /// Leaves the points of a cluster's model to the store. REQUIRES: may_rest
     void rest(ClusterId cluster);

@@ -68,12 +68,6 @@ struct TwoParts {
     }
 };
 
-std::unique_ptr<SessionStore> open(const testing::TemporaryFolder& folder) {
-    auto store = SessionStore::open(folder.session(), {});
-    EXPECT_TRUE(store.ok());
-    return *std::move(store);
-}
-
 std::vector<SessionEvent> adoptions(const SerialSession& session) {
     std::vector<SessionEvent> found;
     std::ranges::copy_if(session.events(), std::back_inserter(found), [](const auto& event) {
@@ -92,7 +86,7 @@ const SceneCluster* cluster_that_places(const Scene& scene, ImageId image) {
 TEST(Adoption, AnImageIsPlacedByTheClusterThatKnowsItsSurroundings) {
     const TwoParts parts;
     const testing::TemporaryFolder folder;
-    const auto store = open(folder);
+    const auto store = test::open_store(folder);
     SerialSession session(*store, parts.scene, parts.pairs);
     for (std::uint32_t i = 0; i + 1 < kImages; ++i) ASSERT_TRUE(session.add_image());
     ASSERT_EQ(session.state().clustering.members.size(), 2U);
@@ -128,7 +122,7 @@ TEST(Adoption, AnImageIsPlacedByTheClusterThatKnowsItsSurroundings) {
 TEST(Adoption, OutlastsImagesThatArriveAfterIt) {
     const TwoParts parts(kImages + 1);
     const testing::TemporaryFolder folder;
-    const auto store = open(folder);
+    const auto store = test::open_store(folder);
     SerialSession session(*store, parts.scene, parts.pairs);
     for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
     ASSERT_EQ(adoptions(session).size(), 1U);
@@ -144,7 +138,7 @@ TEST(Adoption, IsDoneBeforeTheImageThatBroughtItAboutIsReported) {
     // The stray shares enough with the last image alone.
     const TwoParts parts(kImages + 1, kImages);
     const testing::TemporaryFolder folder;
-    const auto store = open(folder);
+    const auto store = test::open_store(folder);
     SerialSession session(*store, parts.scene, parts.pairs);
     for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
     ASSERT_TRUE(adoptions(session).empty());
@@ -161,7 +155,7 @@ TEST(Adoption, SurvivesACrashAfterEachMessage) {
     ScenePtr expected;
     {
         const testing::TemporaryFolder folder;
-        const auto store = open(folder);
+        const auto store = test::open_store(folder);
         SerialSession session(*store, parts.scene, parts.pairs);
         for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
         session.end();
@@ -171,12 +165,12 @@ TEST(Adoption, SurvivesACrashAfterEachMessage) {
     for (bool done = false; !done; ++crashes) {
         const testing::TemporaryFolder folder;
         {
-            const auto store = open(folder);
+            const auto store = test::open_store(folder);
             SerialSession session(*store, parts.scene, parts.pairs);
             for (std::uint32_t i = 0; i + 1 < kImages; ++i) ASSERT_TRUE(session.add_image());
             done = session.add_image(crashes + 1);
         }
-        const auto store = open(folder);
+        const auto store = test::open_store(folder);
         SerialSession resumed(*store, parts.scene, parts.pairs);
         resumed.end();
         const SceneCluster* host = cluster_that_places(*resumed.state().scene, kStray);

@@ -39,12 +39,6 @@ struct Streets {
     std::set<ImageId> first_street;
 };
 
-std::unique_ptr<SessionStore> open(const testing::TemporaryFolder& folder) {
-    auto store = SessionStore::open(folder.session(), {});
-    EXPECT_TRUE(store.ok());
-    return *std::move(store);
-}
-
 std::size_t count_of(const SerialSession& session, SessionEvent::Kind kind) {
     return static_cast<std::size_t>(
         std::ranges::count(session.events(), kind, &SessionEvent::kind));
@@ -70,7 +64,7 @@ void expect_streets_apart(const SerialSession& session, const Streets& streets) 
 TEST(Places, StreetsThatOneFacadeFoldedComeApart) {
     const Streets streets;
     const testing::TemporaryFolder folder;
-    const auto store = open(folder);
+    const auto store = test::open_store(folder);
     SerialSession session(*store, streets.scene, streets.pairs);
     for (std::uint32_t i = 0; i < 12; ++i) ASSERT_TRUE(session.add_image());
     EXPECT_EQ(session.state().counts.effective_clusters, 1U) << "nothing tells them apart yet";
@@ -86,7 +80,7 @@ TEST(Places, AreKnownToTheNextProcess) {
     const testing::TemporaryFolder folder;
     std::vector<std::vector<ImageId>> apart;
     for (std::uint32_t i = 0; i < kImages; ++i) {
-        const auto store = open(folder);
+        const auto store = test::open_store(folder);
         SerialSession session(*store, streets.scene, streets.pairs);
         EXPECT_EQ(session.state().edges.apart.size(), i);
         if (i > 0) {

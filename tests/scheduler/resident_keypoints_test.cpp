@@ -16,12 +16,6 @@ namespace {
 
 using test::SerialSession;
 
-std::unique_ptr<SessionStore> open(const testing::TemporaryFolder& folder) {
-    auto store = SessionStore::open(folder.session(), {});
-    EXPECT_TRUE(store.ok());
-    return *std::move(store);
-}
-
 bool never(ImageId) {
     return false;
 }
@@ -33,7 +27,7 @@ class ResidentKeypointsTest : public ::testing::Test {
   protected:
     static constexpr std::uint32_t kImages = 4;
 
-    ResidentKeypointsTest() : store_(open(folder_)) {
+    ResidentKeypointsTest() : store_(test::open_store(folder_)) {
         EXPECT_TRUE(testing::finish(*store_, kImages));
         for (std::uint32_t image = 0; image < kImages; ++image) {
             keypoints_.push_back(
@@ -123,7 +117,7 @@ TEST(KeypointsOfASession, LeaveMemoryAndChangeNothing) {
     std::vector<ScenePtr> scenes;
     for (const std::size_t budget : {std::size_t{1} << 30U, std::size_t{0}}) {
         const testing::TemporaryFolder folder;
-        const auto store = open(folder);
+        const auto store = test::open_store(folder);
         SerialSession session(*store, walls.scene, walls.pairs);
         session.keep_idle(budget);
         for (std::uint32_t i = 0; i < TwoWalls::kFirst + TwoWalls::kBetween; ++i)

@@ -17,19 +17,13 @@ namespace {
 
 using test::SerialSession;
 
-std::unique_ptr<SessionStore> open(const testing::TemporaryFolder& folder) {
-    auto store = SessionStore::open(folder.session(), {});
-    EXPECT_TRUE(store.ok());
-    return *std::move(store);
-}
-
 /// A session whose only cluster is clean and merged.
 class ResidentModelsTest : public ::testing::Test {
   protected:
     static constexpr std::uint32_t kImages = 4;
     static constexpr ClusterId kCluster{0};
 
-    ResidentModelsTest() : store_(open(folder_)) {
+    ResidentModelsTest() : store_(test::open_store(folder_)) {
         EXPECT_TRUE(testing::finish(*store_, kImages));
         const StoredSolution solution = testing::expected_solution(kImages - 1);
         ClusterEntry entry;
@@ -171,7 +165,7 @@ TEST(ModelsOfASession, RestAndChangeNothing) {
     std::vector<Scene> scenes;
     for (const std::size_t budget : {std::size_t{1} << 30U, std::size_t{0}}) {
         const testing::TemporaryFolder folder;
-        const auto store = open(folder);
+        const auto store = test::open_store(folder);
         SerialSession session(*store, wall.scene, wall.pairs);
         session.keep_idle(budget);
         const ClusterTable& clusters = session.state().clusters;
@@ -236,7 +230,7 @@ struct Bridge {
 TEST(ModelsOfASession, AreAwakeWhenTheirClustersJoin) {
     const Bridge bridge;
     const testing::TemporaryFolder folder;
-    const auto store = open(folder);
+    const auto store = test::open_store(folder);
     SerialSession session(*store, bridge.scene, bridge.pairs);
     session.keep_idle(0);
     const ClusterTable& clusters = session.state().clusters;
@@ -261,7 +255,7 @@ TEST(ModelsOfASession, SettleAFewAtATime) {
     const Wall wall;
     for (const bool is_deterministic : {false, true}) {
         const testing::TemporaryFolder folder;
-        const auto store = open(folder);
+        const auto store = test::open_store(folder);
         SerialSession session(*store, wall.scene, wall.pairs, is_deterministic);
         session.settle_at_once(2);
         for (std::uint32_t i = 0; i < Wall::kImages; ++i) ASSERT_TRUE(session.add_image());

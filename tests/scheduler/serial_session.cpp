@@ -45,6 +45,12 @@ ExtractedMessage extracted(const synthetic::SyntheticScene& scene, std::size_t i
 
 }  // namespace
 
+std::unique_ptr<SessionStore> open_store(const testing::TemporaryFolder& folder) {
+    auto store = SessionStore::open(folder.session(), {});
+    EXPECT_TRUE(store.ok());
+    return *std::move(store);
+}
+
 SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
                              const std::vector<VerifiedPairPtr>& pairs, bool deterministic)
     : scene_(&scene), pairs_(&pairs) {

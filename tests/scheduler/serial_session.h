@@ -9,9 +9,13 @@
 #include <vector>
 
 #include "scheduler/committer.h"
+#include "tests/storage/test_session.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm::test {
+
+/// A new session's store, or that of one that the folder has.
+std::unique_ptr<SessionStore> open_store(const testing::TemporaryFolder& folder);
 
 /// A session of a synthetic scene: one message after the other, through the committer and the real
 /// stages behind it, with verified pairs instead of photographs.
