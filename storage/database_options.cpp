@@ -56,14 +56,21 @@ rocksdb::ColumnFamilyOptions family_options(Family family,
     return options;
 }
 
+/// The smaller part: blocks of what is cached decoded, which the system's own cache of files holds
+/// too. Ours: with half of 64 MiB it went on filling until the 1,900th photograph of a soak, with
+/// three eighths until the 1,000th.
+std::size_t cache_bytes_of_rocksdb(const StoreOptions& options) {
+    return options.cache_bytes / 8 * 3;
+}
+
 }  // namespace
 
 std::size_t decoded_cache_bytes(const StoreOptions& options) {
-    return options.cache_bytes / 2;
+    return options.cache_bytes - cache_bytes_of_rocksdb(options);
 }
 
 DatabaseOptions make_database_options(const StoreOptions& options, rocksdb::Env* env) {
-    const std::size_t cache_bytes = std::max(options.cache_bytes / 2, 8 * kMiB);
+    const std::size_t cache_bytes = std::max(cache_bytes_of_rocksdb(options), 8 * kMiB);
     const auto cache = rocksdb::NewLRUCache(cache_bytes);
 
     DatabaseOptions result;
