@@ -56,9 +56,8 @@ rocksdb::ColumnFamilyOptions family_options(Family family,
     return options;
 }
 
-/// The smaller part: blocks of what is cached decoded, which the system's own cache of files holds
-/// too. Ours: with half of 64 MiB it went on filling until the 1,900th photograph of a soak, with
-/// three eighths until the 1,000th.
+/// The smaller part: blocks are in the system's own cache of files, too. Ours, tuned on the memory
+/// of half an hour of photographs (docs/reliability.md): with a half it took longer to fill.
 std::size_t cache_bytes_of_rocksdb(const StoreOptions& options) {
     return options.cache_bytes / 8 * 3;
 }

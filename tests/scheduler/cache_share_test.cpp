@@ -74,8 +74,7 @@ TEST(CacheShare, TheIndexOfRetrievalTakesOfIt) {
     AcceptedImage next;
     next.image = testing::expected_image(kImages);
     next.camera = testing::expected_camera();
-    next.descriptors =
-        std::make_shared<const Descriptors>(testing::expected_descriptors(kImages));
+    next.descriptors = std::make_shared<const Descriptors>(testing::expected_descriptors(kImages));
     ASSERT_TRUE((*all_are_compared)->candidates(next).ok());
     EXPECT_FALSE(caches_descriptors(*store)) << "one was trained";
 }
