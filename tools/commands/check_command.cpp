@@ -11,6 +11,7 @@
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
+#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {
@@ -35,8 +36,8 @@ int check(const std::string& session) {
         std::cout << "every record is intact\n";
         return 0;
     }
-    std::cerr << "psfm: " << report->damaged.size() << " records of " << session
-              << " are damaged; recompute what can be with: psfm repair --session " << session
+    std::cerr << "psfm: " << counted(report->damaged.size(), "damaged record") << " in " << session
+              << "; recompute what can be with: psfm repair --session " << shell_word(session)
               << '\n';
     return kStoreDamaged;
 }

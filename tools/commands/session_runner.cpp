@@ -18,6 +18,7 @@
 #include "tools/commands/report_error.h"
 #include "tools/commands/thread_budget.h"
 #include "tools/commands/watch_folder.h"
+#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {
@@ -87,9 +88,10 @@ Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
 void print_summary(const SessionRun& run, const RunRequest& request) {
     const SessionCounts& counts = run.counts;
     std::cout << counts.placed << " of " << counts.images << " images placed, in "
-              << counts.clusters << " clusters that make " << counts.effective_clusters
-              << " connected parts";
-    if (counts.rejected > 0) std::cout << "; " << counts.rejected << " photographs rejected";
+              << counted(counts.clusters, "cluster") << " ("
+              << counted(counts.effective_clusters, "connected part") << ')';
+    if (counts.rejected > 0)
+        std::cout << "; " << counted(counts.rejected, "photograph") << " rejected";
     std::cout << '\n';
     std::map<WaitReason, std::vector<std::string>> by_reason;
     for (const auto& [name, reason] : run.waiting) by_reason[reason].push_back(name);
@@ -100,8 +102,8 @@ void print_summary(const SessionRun& run, const RunRequest& request) {
         std::cout << (names.size() > 5 ? " …\n" : "\n");
     }
     if (counts.placed > 0) {
-        std::cout << "Take the model out with: psfm export --session " << request.session.string()
-                  << " --format colmap --output MODEL\n";
+        std::cout << "Take the model out with: psfm export --session "
+                  << shell_word(request.session.string()) << " --format colmap --output MODEL\n";
     }
 }
 
@@ -163,7 +165,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     if (run->interrupted) {
         std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
                      "psfm "
-                  << request.go_on_command << " --session " << request.session.string() << '\n';
+                  << request.go_on_command << " --session " << shell_word(request.session.string())
+                  << '\n';
         return request.watch ? 0 : 1;
     }
     if (log_failed) {

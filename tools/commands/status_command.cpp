@@ -15,6 +15,7 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"
+#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {
@@ -85,10 +86,12 @@ void print_json(const Status& status) {
 void print_text(const Status& status) {
     const SessionCounts& counts = status.summary.counts;
     std::cout << "version " << counts.version << '\n'
-              << counts.images << " images: " << counts.placed << " placed, " << counts.waiting
-              << " waiting; " << counts.rejected << " photographs rejected\n"
-              << counts.clusters << " clusters in " << counts.effective_clusters
-              << " connected parts, " << counts.resets << " resets\n"
+              << counted(counts.images, "image") << ": " << counts.placed << " placed, "
+              << counts.waiting << " waiting; " << counted(counts.rejected, "photograph")
+              << " rejected\n"
+              << counted(counts.clusters, "cluster") << " in "
+              << counted(counts.effective_clusters, "connected part") << ", "
+              << counted(counts.resets, "reset") << "\n"
               << "solves: " << counts.solves_new << " new, " << counts.solves_extend
               << " extended, " << counts.solves_transfer << " transferred, " << counts.solves_settle
               << " settled, " << counts.solves_coalesced << " coalesced, " << counts.solves_skipped
