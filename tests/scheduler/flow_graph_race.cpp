@@ -9,33 +9,18 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <string_view>
+
+#include "tests/meeting.h"
 
 namespace {
 
 constexpr int kMessages = 64;
 
-/// Two messages at least are worked on at once, or ten seconds are over. Relaxed: it must not order
-/// what the bodies do.
-class Meeting {
-  public:
-    void wait() {
-        present_.fetch_add(1, std::memory_order_relaxed);
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-        while (present_.load(std::memory_order_relaxed) < 2 &&
-               std::chrono::steady_clock::now() < end) {
-        }
-    }
-
-  private:
-    std::atomic<int> present_{0};
-};
-
 template <typename Counter>
 int count_messages(Counter& counter) {
-    Meeting meeting;
+    psfm::testing::Meeting meeting;
     tbb::task_arena arena(4);
     arena.execute([&] {
         tbb::flow::graph graph;
