@@ -42,63 +42,97 @@ Result<CommitOutput> Committer::handle(const CommitInput& message) {
     return output;
 }
 
-Result<void> Committer::reject(const ExtractedMessage& message, const std::string& reason,
-                               std::uint64_t hash, CommitOutput& /*output*/) {
-    RejectedPhoto rejected{message.file.name, reason, hash, 0};
-    std::error_code unknown_size;
-    const auto size = std::filesystem::file_size(message.file.path, unknown_size);
-    if (!unknown_size) rejected.file_size = static_cast<std::int64_t>(size);
-    if (const auto stored = store_->commit_rejected(rejected); !stored.ok()) return stored;
-    ++state_.rejected;
+void Committer::tell_rejected(const std::string& name, const std::string& reason) {
     SessionEvent event;
     event.kind = SessionEvent::Kind::kRejected;
     event.text = reason;
-    event.images = {message.file.name};
+    event.images = {name};
     events_.push_back(std::move(event));
+}
+
+Result<void> Committer::reject(const ExtractedMessage& message, const std::string& reason,
+                               std::uint64_t hash, const std::optional<FileStamp>& stamp) {
+    RejectedPhoto rejected{message.file.name, reason, hash, -1};
+    if (stamp) {
+        rejected.file_size = stamp->size;
+        rejected.file_time = stamp->modified_ns;
+    }
+    if (const auto stored = store_->commit_rejected(rejected); !stored.ok()) return stored;
+    state_.rejected.insert(message.file.name);
+    tell_rejected(message.file.name, reason);
     ++images_released_;
     return {};
+}
+
+void Committer::pass_over(const ExtractedMessage& message) {
+    ++images_released_;
+    const std::string& name = message.file.name;
+    if (!message.photo->ok()) return;  // it was read when it was accepted
+    const auto twin = state_.name_of_content.find(message.photo->value().metadata.content_hash);
+    if (twin != state_.name_of_content.end() && twin->second == name) return;
+    tell_rejected(name, name +
+                            " is another photograph than the one of that name which is in the "
+                            "session; give it a name of its own");
+}
+
+std::optional<CameraId> Committer::camera_of(const Image& image) {
+    const CameraId next{state_.cameras.empty() ? 0 : index_of(state_.cameras.rbegin()->first) + 1};
+    const auto given = config_.given_cameras.find(image.name);
+    if (given == config_.given_cameras.end()) {
+        const CameraAssignment assignment = assign_camera(config_.camera_sharing, image.metadata,
+                                                          image.name, state_.camera_of_key, next);
+        state_.camera_of_key.try_emplace(assignment.key, assignment.camera);
+        if (assignment.added) state_.cameras[assignment.camera] = *assignment.added;
+        return assignment.camera;
+    }
+    const Camera& camera = given->second.camera;
+    if (camera.width != image.metadata.width || camera.height != image.metadata.height)
+        return std::nullopt;
+    const auto [entry, added] =
+        state_.camera_of_key.try_emplace("given:" + given->second.key, next);
+    if (added) state_.cameras[next] = camera;
+    return entry->second;
 }
 
 Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output) {
     ++photos_released_;
     ++photos_seen_;
-    if (!message.photo->ok()) return reject(message, message.photo->error().message, 0, output);
+    const std::string& name = message.file.name;
+    if (state_.names.contains(name)) {
+        pass_over(message);
+        return {};
+    }
+    if (!message.photo->ok()) {
+        // What the system refuses now it may give the next time.
+        const Error& error = message.photo->error();
+        const bool is_its_content = error.code == ErrorCode::kUnreadable;
+        return reject(message, error.message, 0, is_its_content ? message.stamp : std::nullopt);
+    }
     const ExtractedPhoto& photo = message.photo->value();
     const std::uint64_t hash = photo.metadata.content_hash;
     if (const auto twin = state_.name_of_content.find(hash); twin != state_.name_of_content.end()) {
         return reject(message,
-                      message.file.name + " is a byte-for-byte copy of " + twin->second +
+                      name + " is a byte-for-byte copy of " + twin->second +
                           ", which is in the session; delete one of the two",
-                      hash, output);
+                      hash, message.stamp);
     }
 
     auto accepted = std::make_shared<AcceptedImage>();
     Image& image = accepted->image;
     image.id = static_cast<ImageId>(state_.images.size());
-    image.name = message.file.name;
+    image.name = name;
     image.metadata = photo.metadata;
-    if (const auto given = config_.given_cameras.find(image.name);
-        given != config_.given_cameras.end()) {
-        const Camera& camera = given->second.camera;
-        if (camera.width != photo.metadata.width || camera.height != photo.metadata.height) {
-            return reject(message,
-                          message.file.name + " is " + std::to_string(photo.metadata.width) + "x" +
-                              std::to_string(photo.metadata.height) +
-                              " px, but its given camera is " + std::to_string(camera.width) + "x" +
-                              std::to_string(camera.height) + " px; correct cameras.txt",
-                          hash, output);
-        }
-        const auto [entry, added] = state_.camera_of_key.try_emplace(
-            "given:" + given->second.key, static_cast<CameraId>(state_.camera_of_key.size()));
-        image.camera = entry->second;
-        if (added) state_.cameras[image.camera] = camera;
-    } else {
-        const CameraAssignment assignment =
-            assign_camera(config_.camera_sharing, photo.metadata, image.name, state_.camera_of_key);
-        state_.camera_of_key.try_emplace(assignment.key, assignment.camera);
-        image.camera = assignment.camera;
-        if (assignment.added) state_.cameras[image.camera] = *assignment.added;
+    const auto camera = camera_of(image);
+    if (!camera) {
+        const Camera& given = config_.given_cameras.at(name).camera;
+        return reject(message,
+                      name + " is " + std::to_string(photo.metadata.width) + "x" +
+                          std::to_string(photo.metadata.height) + " px, but its given camera is " +
+                          std::to_string(given.width) + "x" + std::to_string(given.height) +
+                          " px; correct cameras.txt",
+                      hash, std::nullopt);
     }
+    image.camera = *camera;
     accepted->camera = state_.cameras.at(image.camera);
     // Aliased pointers: keypoints and descriptors live as long as the extracted photograph.
     accepted->keypoints = {message.photo, &photo.keypoints};
@@ -111,6 +145,8 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     state_.images.push_back(image);
     state_.keypoints.push_back(std::make_shared<const Keypoints>(photo.keypoints));
     state_.name_of_content.emplace(hash, image.name);
+    state_.names.insert(image.name);
+    state_.rejected.erase(image.name);
     PendingImage pending;
     pending.report.index = index_of(image.id) + 1;
     pending.report.name = image.name;
@@ -131,6 +167,20 @@ void Committer::release_early(PendingImage& verified) {
 }
 
 Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*/) {
+    --solving_;
+    if (!config_.deterministic) return take_solution(message);
+    // Which of several ends first depends on the machine, and what one says of places on which.
+    solved_.push_back(message);
+    if (solving_ > 0) return {};
+    std::vector<SolvedMessage> solved = std::exchange(solved_, {});
+    std::ranges::sort(solved, {}, [](const SolvedMessage& m) { return m.problem->cluster; });
+    for (const SolvedMessage& one : solved) {
+        if (const auto taken = take_solution(one); !taken.ok()) return taken;
+    }
+    return {};
+}
+
+Result<void> Committer::take_solution(const SolvedMessage& message) {
     ClusterSolution solution;
     if (message.solution->ok()) {
         solution = message.solution->value();
@@ -224,6 +274,7 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
         auto problem = problem_of(*entry, settle);
         if (!problem.ok()) return problem.error();
         output.solves.push_back({*std::move(problem)});
+        ++solving_;
     }
     // Those that a cluster could not place are tried elsewhere (unplaced_images).
     state_.keypoints.release([&](ImageId image) {

@@ -62,8 +62,18 @@ class Committer {
     Result<void> on(const MergedMessage& message, CommitOutput& output);
     Result<void> on(const EndOfPhotos& message, CommitOutput& output);
 
+    /// A solution becomes its cluster's, and is committed. @errors those of the store
+    Result<void> take_solution(const SolvedMessage& message);
+    /// Turns a photograph down. @param hash  of its content; 0: not known
+    /// @param stamp  looked at again when it differs from that; nothing: in any case
     Result<void> reject(const ExtractedMessage& message, const std::string& reason,
-                        std::uint64_t hash, CommitOutput& output);
+                        std::uint64_t hash, const std::optional<FileStamp>& stamp);
+    /// A file that has the name of an image of the session.
+    void pass_over(const ExtractedMessage& message);
+    /// The camera of a new image, made if it is the first of its kind. @return nothing where the
+    /// camera given for it has another size
+    std::optional<CameraId> camera_of(const Image& image);
+    void tell_rejected(const std::string& name, const std::string& reason);
     /// Keeps images apart that a model shows beside each other and that are of different places,
     /// and takes that back where a model says otherwise. @return what is to be stored for that
     /// @errors those of the store
@@ -130,6 +140,8 @@ class Committer {
     std::deque<ClusterId> to_settle_;               // taken from the table, and not begun yet
     std::size_t settling_ = 0;                      // begun, and not solved yet
     std::size_t settles_at_once_ = 8;
+    std::size_t solving_ = 0;            // solves in flight
+    std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
     bool failed_ = false;
 };
 

@@ -108,7 +108,7 @@ void Committer::count(const Scene& scene) {
     counts.images = static_cast<std::uint32_t>(state_.images.size());
     counts.placed = static_cast<std::uint32_t>(placed_count(scene));
     counts.waiting = counts.images - counts.placed;
-    counts.rejected = state_.rejected;
+    counts.rejected = static_cast<std::uint32_t>(state_.rejected.size());
     counts.clusters =
         static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
             return cluster->model && !cluster->model->empty();

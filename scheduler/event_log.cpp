@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scheduler/event_log.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
-#include <cstring>
+#include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
 
 namespace psfm {
 namespace {
@@ -24,8 +30,13 @@ std::string dump(const ordered_json& object) {
     return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
+/// Lines that wait for space on the disk, at most [bytes]: of some 50,000 images. Ours.
+constexpr std::size_t kMostUnwritten = std::size_t{16} << 20U;
+
 /// Left by a process that was killed while it wrote: what is appended begins a line of its own.
 bool ends_within_a_line(const std::filesystem::path& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) return false;
     std::ifstream stream(file, std::ios::binary | std::ios::ate);
     if (!stream || stream.tellg() <= 0) return false;
     stream.seekg(-1, std::ios::end);
@@ -107,26 +118,49 @@ std::string log_line(const GraphUsage& usage) {
 }
 
 Result<std::unique_ptr<EventLog>> EventLog::open(const std::filesystem::path& file) {
-    const bool torn = ends_within_a_line(file);
-    std::ofstream stream(file, std::ios::app);
-    if (torn) stream << '\n';
-    if (!stream) {
+    constexpr mode_t kFromUmask = 0666;
+    const int descriptor =
+        ::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, kFromUmask);
+    if (descriptor < 0) {
         return Error{ErrorCode::kIo, "cannot write the log " + file.string() + ": " +
-                                         std::strerror(errno) + "; choose another --log"};
+                                         std::system_category().message(errno) +
+                                         "; choose another --log"};
     }
-    return std::unique_ptr<EventLog>(new EventLog(std::move(stream)));
+    std::unique_ptr<EventLog> log(new EventLog(file, descriptor));
+    if (ends_within_a_line(file)) log->append("\n");
+    return log;
+}
+
+EventLog::~EventLog() {
+    ::close(descriptor_);
 }
 
 void EventLog::write(const PublishMessage& publish) {
-    for (const SessionEvent& event : publish.events) stream_ << log_line(event) << '\n';
-    for (const ImageReport& image : publish.images)
-        stream_ << log_line(image, publish.counts) << '\n';
-    stream_.flush();
+    std::string lines;
+    for (const SessionEvent& event : publish.events) lines += log_line(event) + '\n';
+    for (const ImageReport& image : publish.images) lines += log_line(image, publish.counts) + '\n';
+    append(std::move(lines));
 }
 
 void EventLog::write(const GraphUsage& usage) {
-    stream_ << log_line(usage) << '\n';
-    stream_.flush();
+    append(log_line(usage) + '\n');
+}
+
+void EventLog::append(std::string lines) {
+    if (unwritten_.size() + lines.size() <= kMostUnwritten) {
+        unwritten_ += lines;
+    } else {
+        lost_ = true;
+    }
+    std::size_t written = 0;
+    while (written < unwritten_.size()) {
+        const ssize_t count =
+            ::write(descriptor_, unwritten_.data() + written, unwritten_.size() - written);
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) break;
+        written += static_cast<std::size_t>(count);
+    }
+    unwritten_.erase(0, written);
 }
 
 }  // namespace psfm

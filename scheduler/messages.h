@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "graph/result.h"
 #include "graph/scene.h"
 #include "graph/two_view_geometry.h"
+#include "scheduler/file_stamp.h"
 #include "stages/features/photo_file.h"
 #include "stages/features/run_features.h"
 #include "stages/merge/run_merge.h"
@@ -36,6 +38,7 @@ struct ArrivedPhoto {
     std::uint64_t sequence = 0;
     PhotoFile file;
     Clock::time_point arrival;
+    std::optional<FileStamp> stamp;  ///< before it was read
 };
 
 struct ExtractedMessage {
@@ -44,6 +47,7 @@ struct ExtractedMessage {
     Clock::time_point arrival;
     std::shared_ptr<const Result<ExtractedPhoto>> photo;
     double extract_ms = 0.0;
+    std::optional<FileStamp> stamp = {};  ///< of the file, before it was read
 };
 
 /// An image that the session has acknowledged.

@@ -26,7 +26,7 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     state.images = *std::move(images);
     state.cameras = *std::move(cameras);
     restored.rejected = *std::move(rejected);
-    state.rejected = static_cast<std::uint32_t>(restored.rejected.size());
+    for (const RejectedPhoto& photo : restored.rejected) state.rejected.insert(photo.name);
     state.verified = *verified;
     for (const Image& image : state.images) {
         std::shared_ptr<const Keypoints> keypoints;
@@ -37,8 +37,12 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
         }
         state.keypoints.push_back(std::move(keypoints));
         state.name_of_content.emplace(image.metadata.content_hash, image.name);
+        state.names.insert(image.name);
+        // A camera given since then is that of later images only.
         const auto given = config.given_cameras.find(image.name);
-        const std::string key = given != config.given_cameras.end()
+        const bool was_given = given != config.given_cameras.end() &&
+                               given->second.camera == state.cameras.at(image.camera);
+        const std::string key = was_given
                                     ? "given:" + given->second.key
                                     : camera_key(config.camera_sharing, image.metadata, image.name);
         state.camera_of_key.emplace(key, image.camera);

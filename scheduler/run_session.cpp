@@ -4,9 +4,9 @@
 
 #include <tbb/task_arena.h>
 
-#include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -29,21 +29,21 @@ class SeenPhotos {
     explicit SeenPhotos(const RestoredSession& restored) {
         for (const Image& image : restored.state.images) accepted_.insert(image.name);
         for (const RejectedPhoto& photo : restored.rejected)
-            rejected_[photo.name] = photo.file_size;
+            rejected_[photo.name] = {photo.file_size, photo.file_time};
     }
 
-    bool contains(const PhotoFile& photo) const {
-        if (accepted_.contains(photo.name)) return true;
-        const auto rejected = rejected_.find(photo.name);
-        if (rejected == rejected_.end()) return false;
-        std::error_code unknown_size;
-        const auto size = std::filesystem::file_size(photo.path, unknown_size);
-        return !unknown_size && static_cast<std::int64_t>(size) == rejected->second;
+    bool contains(const std::string& name, const std::optional<FileStamp>& stamp) const {
+        if (accepted_.contains(name)) return true;
+        const auto rejected = rejected_.find(name);
+        if (rejected == rejected_.end() || !stamp || stamp->size != rejected->second.size)
+            return false;
+        const std::int64_t known = rejected->second.modified_ns;  // 0: of an earlier program
+        return known == 0 || known == stamp->modified_ns;
     }
 
   private:
     std::set<std::string> accepted_;
-    std::map<std::string, std::int64_t> rejected_;
+    std::map<std::string, FileStamp> rejected_;
 };
 
 /// Waits for a token, or for a reason to give up. @return whether there is a token
@@ -73,9 +73,10 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
             std::this_thread::sleep_for(kPoll);
             continue;
         }
-        if (seen.contains(photo)) continue;
+        const auto stamp = stamp_of(photo.path);
+        if (seen.contains(photo.name, stamp)) continue;
         if (!admit(photo_tokens, graph, stop) || !admit(image_tokens, graph, stop)) break;
-        graph.put(ArrivedPhoto{sequence++, photo, Clock::now()});
+        graph.put(ArrivedPhoto{sequence++, photo, Clock::now(), stamp});
     }
     return sequence;
 }
@@ -107,6 +108,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
                                Salvage* salvage) {
     const auto options = stage_options(config);
     if (!options.ok()) return options.error();
+    if (const auto kept = store.keep_history(config.history); !kept.ok()) return kept.error();
     auto restored = restore_session(store, config, *options);
     if (!restored.ok()) return restored.error();
 

@@ -59,8 +59,8 @@ struct SessionRun {
 
 /// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and
 /// everything is solved, or `stop` is set: then commits under way are finished, and the rest is
-/// left for the next run. Photographs that the session has (by name), or has rejected and that have
-/// not changed, are skipped.
+/// left for the next run. Photographs that the session has (by name), or has rejected for what is
+/// in them and that have not changed, are skipped.
 /// @errors those of the store and of the front end (vocabulary file, database); the store stays
 /// consistent
 /// @param salvage  a damaged session that images and pairs are taken over from; null: none

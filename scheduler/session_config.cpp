@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scheduler/session_config.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +14,9 @@ namespace {
 
 using nlohmann::json;
 constexpr std::uint32_t kConfigVersion = 1;
+
+constexpr std::array<std::pair<std::string_view, History>, 3> kHistories{
+    {{"none", History::kNone}, {"poses", History::kPoses}, {"full", History::kFull}}};
 
 json encode_camera(const Camera& camera) {
     return {{"model", std::string(model_name(camera.model))},
@@ -40,6 +45,15 @@ Result<Camera> decode_camera(const json& object) {
 }
 
 }  // namespace
+
+std::optional<History> history_from_name(std::string_view name) {
+    const auto* found = std::ranges::find(kHistories, name, [](const auto& h) { return h.first; });
+    return found == kHistories.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::string_view history_name(History history) {
+    return std::ranges::find(kHistories, history, [](const auto& h) { return h.second; })->first;
+}
 
 Result<StageOptions> stage_options(const SessionConfig& config) {
     StageOptions options;
@@ -81,7 +95,8 @@ std::string encode_config(const SessionConfig& config) {
                 {"seed", config.seed},
                 {"vocabulary", config.vocabulary_file},
                 {"colmap_database", config.colmap_database},
-                {"order", config.order}}
+                {"order", config.order},
+                {"history", std::string(history_name(config.history))}}
         .dump();
 }
 
@@ -110,6 +125,9 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.vocabulary_file = object.at("vocabulary").get<std::string>();
         config.colmap_database = object.value("colmap_database", "");
         config.order = object.at("order").get<std::vector<std::string>>();
+        const auto history = history_from_name(object.value("history", "poses"));
+        if (!history) return Error{ErrorCode::kDamaged, "settings name an unknown history"};
+        config.history = *history;
     } catch (const json::exception&) {
         return Error{ErrorCode::kDamaged, "the session's settings are damaged"};
     }

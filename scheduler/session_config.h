@@ -5,7 +5,9 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "graph/camera.h"
@@ -18,6 +20,7 @@
 #include "stages/reconstruction/solve_options.h"
 #include "stages/retrieval/retrieval_options.h"
 #include "stages/verification/run_verification.h"
+#include "storage/session_store.h"
 
 namespace psfm {
 
@@ -40,7 +43,12 @@ struct SessionConfig {
     /// Absolute path of the COLMAP database that images and matches come from; empty: photographs.
     std::string colmap_database;
     std::vector<std::string> order;  ///< names in order of arrival; empty: by name
+    History history = History::kPoses;
 };
+
+/// "none", "poses", "full"; nothing for any other text.
+std::optional<History> history_from_name(std::string_view name);
+std::string_view history_name(History history);
 
 /// The options of every stage, as the configuration's preset and switches set them.
 struct StageOptions {

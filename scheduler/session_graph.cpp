@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <tuple>
 
 #include "stages/merge/run_merge.h"
@@ -18,12 +19,17 @@ namespace {
 
 namespace flow = tbb::flow;
 
+constexpr const char* kNoMemory =
+    ": not enough memory; use fewer --threads or a smaller --cache, then run 'psfm resume'";
+
 /// Runs a stage; an exception of a library becomes a failed result, since it would cancel the whole
 /// graph.
 template <typename T, typename Body>
 Result<T> guarded(const char* stage, const Body& body) {
     try {
         return body();
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorCode::kInternal, std::string(stage) + kNoMemory};
     } catch (const std::exception& exception) {
         return Error{ErrorCode::kInternal, std::string(stage) + ": " + exception.what()};
     }
@@ -41,11 +47,17 @@ struct SessionGraph::Nodes {
     CommitInput merge_clusters(const MergeMessage& message) const;
     void publish_version(const PublishMessage& message) const;
 
-    /// Runs a node's body, and measures it.
+    /// Runs a node's body, and measures it. An exception (no memory for a message) cancels the
+    /// graph, which nobody would hear of who waits for its tokens.
     template <typename Body>
-    auto timed(GraphNode node, const Body& body) const {
-        const NodeTimes::Run run(*parts.times, node);
-        return body();
+    auto timed(GraphNode node, const Body& body) {
+        try {
+            const NodeTimes::Run run(*parts.times, node);
+            return body();
+        } catch (...) {
+            fail({ErrorCode::kInternal, name_of(node) + std::string(kNoMemory)});
+            throw;
+        }
     }
     bool stopped() const { return parts.stop->load() || has_failed.load(); }
     void fail(const Error& the_error);
@@ -147,7 +159,8 @@ void SessionGraph::Nodes::fail(const Error& the_error) {
 }
 
 CommitInput SessionGraph::Nodes::extract_photo(const ArrivedPhoto& arrived) const {
-    ExtractedMessage message{arrived.sequence, arrived.file, arrived.arrival, nullptr, 0.0};
+    ExtractedMessage message{arrived.sequence, arrived.file, arrived.arrival,
+                             nullptr,          0.0,          arrived.stamp};
     if (stopped()) return message;
     const auto start = Clock::now();
     message.photo = std::make_shared<const Result<ExtractedPhoto>>(guarded<ExtractedPhoto>(
@@ -271,7 +284,11 @@ void SessionGraph::end_of_photos(std::uint64_t photos) {
 }
 
 Result<void> SessionGraph::wait() {
-    nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
+    try {
+        nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
+    } catch (const std::exception& exception) {
+        nodes_->fail({ErrorCode::kInternal, std::string("flow graph: ") + exception.what()});
+    }
     if (!nodes_->has_failed.load()) return {};
     const std::lock_guard lock(nodes_->error_mutex);
     return nodes_->error;

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "graph/image.h"
@@ -45,8 +46,9 @@ struct SessionState {
     std::map<CameraId, Camera> cameras;             ///< as accepted
     std::map<std::string, CameraId> camera_of_key;  ///< see assign_camera
     std::unordered_map<std::uint64_t, std::string>
-        name_of_content;  ///< finds byte-identical photographs
-    std::uint32_t rejected = 0;
+        name_of_content;                       ///< finds byte-identical photographs
+    std::unordered_set<std::string> names;     ///< of the images
+    std::unordered_set<std::string> rejected;  ///< names of photographs, none of an image
     std::uint32_t verified = 0;  ///< images 0 … verified-1 are nodes of the view graph
     ViewGraph view_graph;
     EdgeSelection edges;  ///< which pairs the view graph holds

@@ -79,7 +79,8 @@ Result<Camera> decode_camera(std::string_view payload) {
 Result<std::string> encode_rejected(const RejectedPhoto& photo) {
     flatbuffers::FlatBufferBuilder builder;
     const auto reason = builder.CreateString(photo.reason);
-    builder.Finish(records::CreateRejected(builder, reason, photo.content_hash, photo.file_size));
+    builder.Finish(records::CreateRejected(builder, reason, photo.content_hash, photo.file_size,
+                                           photo.file_time));
     return finished(builder);
 }
 
@@ -87,8 +88,8 @@ Result<RejectedPhoto> decode_rejected(const std::string& name, std::string_view 
     const FlatPayload flat(payload);
     const auto* record = flat.root<records::Rejected>();
     if (record == nullptr) return damaged_payload(kNotATable);
-    return RejectedPhoto{name, record->reason()->str(), record->content_hash(),
-                         record->file_size()};
+    return RejectedPhoto{name, record->reason()->str(), record->content_hash(), record->file_size(),
+                         record->file_time()};
 }
 
 Result<std::string> encode_image(const Image& image) {

@@ -84,9 +84,7 @@ Result<std::unique_ptr<SessionStore>> open_session_store(const fs::path& folder,
     if (!writer_state) return writer_state.error();
     auto writer =
         std::make_unique<SessionWriter>(std::move(*database), std::move(*writer_state), options);
-    if (options.history == History::kNone) {
-        if (const auto dropped = writer->drop_history(); !dropped) return dropped.error();
-    }
+    if (const auto kept = writer->keep_history(options.history); !kept) return kept.error();
     return std::unique_ptr<SessionStore>(std::move(writer));
 }
 

@@ -42,7 +42,9 @@ struct RejectedPhoto {
     std::string name;
     std::string reason;              ///< one line for people: what is wrong and what to do
     std::uint64_t content_hash = 0;  ///< 0 when the file could not be read
-    std::int64_t file_size = 0;      ///< [bytes]; a changed file is looked at again
+    /// Of the file that was looked at; a changed one is looked at again.
+    std::int64_t file_size = 0;  ///< [bytes]; -1: looked at again, even if it has not changed
+    std::int64_t file_time = 0;  ///< when it was written, by its file system [ns]; 0: not known
 };
 
 /// A solution of a cluster, by number.
@@ -188,6 +190,9 @@ class SessionStore : public SessionReader {
     static Result<std::unique_ptr<SessionStore>> open_existing(const std::filesystem::path& folder,
                                                                const StoreOptions& options);
 
+    /// How much of every version is kept from now on; so far as StoreOptions::history said. kNone
+    /// drops all versions but the latest.
+    virtual Result<void> keep_history(History history) = 0;
     virtual Result<void> put_settings(const SessionSettings& settings) = 0;
     /// Commit point 1: an image is acknowledged once this returns. `camera` is written when it is
     /// new. REQUIRES: image.id == number of accepted images

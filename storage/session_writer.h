@@ -37,6 +37,7 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     /// if nobody holds one from before.
     Result<std::optional<StoredSolution>> solution(ClusterId cluster) const override;
     Result<void> compact() override { return database().compact(); }
+    Result<void> keep_history(History history) override;
     Result<void> put_settings(const SessionSettings& settings) override;
     Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
                               const Descriptors& descriptors) override;
@@ -50,12 +51,11 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     Result<void> commit_scene(const StoredSceneVersion& version,
                               const std::vector<StoredCluster>& changed) override;
 
-    /// History::kNone on a session that kept more: drops all but the latest version.
-    Result<void> drop_history();
-
   private:
     class Batch;
 
+    /// Drops all versions but the latest.
+    Result<void> drop_history();
     Result<void> write(Batch& batch);
     Error refused(const std::string& why) const;
     Result<void> check_scene(const StoredSceneVersion& version) const;

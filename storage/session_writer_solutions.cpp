@@ -165,6 +165,11 @@ void SessionWriter::mark_needed(Batch& batch, const SupersededSolutions& needed)
     }
 }
 
+Result<void> SessionWriter::keep_history(History history) {
+    history_ = history;
+    return history == History::kNone ? drop_history() : Result<void>();
+}
+
 Result<void> SessionWriter::drop_history() {
     if (!state_.scene) return {};
     const SceneKey latest{state_.scene->scene.image_count, state_.scene->scene.version};

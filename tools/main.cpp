@@ -43,6 +43,11 @@ int run(int argc, char** argv) {
     psfm::add_compact_command(app, exit_code);
     psfm::add_vocabulary_command(app, exit_code);
     psfm::add_simulate_command(app, exit_code);
+    const auto is_asked = [&](const CLI::App* command) { return command->check_name(argv[1]); };
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_asked).empty()) {
+        std::cerr << "psfm: there is no command '" << argv[1] << "'; psfm --help lists them\n";
+        return kUsageError;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

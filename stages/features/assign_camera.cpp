@@ -98,14 +98,14 @@ Camera initial_camera(const PhotoMetadata& metadata) {
 
 CameraAssignment assign_camera(CameraSharing sharing, const PhotoMetadata& metadata,
                                std::string_view name, const std::map<std::string, CameraId>& known,
-                               std::string_view user) {
+                               CameraId next, std::string_view user) {
     CameraAssignment result;
     result.key = camera_key(sharing, metadata, name, user);
     const auto found = known.find(result.key);
     if (found != known.end()) {
         result.camera = found->second;
     } else {
-        result.camera = static_cast<CameraId>(known.size());
+        result.camera = next;
         result.added = initial_camera(metadata);
     }
     return result;

@@ -51,11 +51,11 @@ struct CameraAssignment {
         added;  ///< the camera to add under this id; nothing when the key is known
 };
 
-/// @param known  the cameras so far by key; ids 0 … known.size() - 1
-/// @return a known camera, or a new one with id known.size()
+/// @param known  the cameras so far by key
+/// @param next  the id of a new one
 /// Thread-safe.
 CameraAssignment assign_camera(CameraSharing sharing, const PhotoMetadata& metadata,
                                std::string_view name, const std::map<std::string, CameraId>& known,
-                               std::string_view user = {});
+                               CameraId next, std::string_view user = {});
 
 }  // namespace psfm

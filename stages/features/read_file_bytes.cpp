@@ -35,10 +35,6 @@ Error unreadable(const PhotoFile& photo, const std::string& reason) {
     return {ErrorCode::kUnreadable, printable(photo.name) + ": " + reason};
 }
 
-std::string reason_of(int error_number) {
-    return std::system_category().message(error_number);
-}
-
 std::string remedy_of(int error_number) {
     switch (error_number) {
         case EACCES:
@@ -52,22 +48,21 @@ std::string remedy_of(int error_number) {
     }
 }
 
+/// @param what  "cannot be opened", …
+Error refused_by_system(const PhotoFile& photo, const std::string& what, int error_number) {
+    return {ErrorCode::kIo, printable(photo.name) + ": " + what + " (" +
+                                std::system_category().message(error_number) + ")" +
+                                remedy_of(error_number)};
+}
+
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::uint64_t max_bytes) {
     // O_NONBLOCK: opening a pipe must not wait for its writer.
     const Descriptor file(::open(photo.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-    if (file.get() < 0) {
-        const int error_number = errno;
-        return unreadable(
-            photo, "cannot be opened (" + reason_of(error_number) + ")" + remedy_of(error_number));
-    }
+    if (file.get() < 0) return refused_by_system(photo, "cannot be opened", errno);
     struct stat status {};
-    if (::fstat(file.get(), &status) != 0) {
-        const int error_number = errno;
-        return unreadable(
-            photo, "cannot be read (" + reason_of(error_number) + ")" + remedy_of(error_number));
-    }
+    if (::fstat(file.get(), &status) != 0) return refused_by_system(photo, "cannot be read", errno);
     if (S_ISDIR(status.st_mode))
         return unreadable(photo, "is a folder, not a photograph; name the files in it");
     if (!S_ISREG(status.st_mode)) {
@@ -90,10 +85,8 @@ Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::u
         const ssize_t count = ::read(file.get(), bytes.data() + used, bytes.size() - used);
         if (count == 0) break;
         if (count < 0) {
-            const int error_number = errno;
-            if (error_number == EINTR) continue;
-            return unreadable(photo, "cannot be read (" + reason_of(error_number) + ")" +
-                                         remedy_of(error_number));
+            if (errno == EINTR) continue;
+            return refused_by_system(photo, "cannot be read", errno);
         }
         used += static_cast<std::size_t>(count);
         if (used > max_bytes) return unreadable(photo, too_long);

@@ -11,8 +11,8 @@
 namespace psfm {
 
 /// All bytes of a regular file. Never blocks on pipes or devices: only regular files are read.
-/// @errors kUnreadable: missing, a folder, no regular file, no permission, empty, above max_bytes,
-///         or the system cannot read it; the message names the photograph and the remedy
+/// @errors kIo: missing, no permission, or the system cannot read it; kUnreadable: a folder, no
+///         regular file, empty, above max_bytes. The message names the photograph and the remedy
 /// Thread-safe.
 Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::uint64_t max_bytes);
 

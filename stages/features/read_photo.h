@@ -23,9 +23,8 @@ struct DecodedPhoto {
 };
 
 /// Reads, checks, hashes and decodes one photograph.
-/// @errors kUnreadable: cannot be read, is no image, is truncated or damaged, is smaller or larger
-/// than
-///         the options allow; one line that names the photograph and the remedy
+/// @errors kIo: cannot be read; kUnreadable: is no image, is truncated or damaged, is smaller or
+///         larger than the options allow; one line that names the photograph and the remedy
 /// Thread-safe.
 Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& options);
 

@@ -50,7 +50,7 @@ Result<ExtractedPhoto> run_features(const PhotoFile& photo, const FeatureOptions
     try {
         return extract(photo, options);
     } catch (const std::bad_alloc&) {
-        return Error{ErrorCode::kUnreadable,
+        return Error{ErrorCode::kInternal,
                      printable(photo.name) +
                          ": not enough memory to read it; use fewer --threads, or reduce it"};
     } catch (const std::exception& exception) {

@@ -19,10 +19,10 @@ struct ExtractedPhoto {
 /// The features stage: reads one photograph, its EXIF data and focal prior, and extracts SIFT
 /// features. A photograph without features (a white wall) is a success: matching will find nothing
 /// in it.
-/// @errors kUnreadable: not readable, no image, truncated, damaged, too small or too large, or out
-/// of memory;
-///         kInvalidArgument: options; kInternal: a library failed. One line that names the
-///         photograph and the remedy. No exception leaves this function.
+/// @errors kUnreadable: for what the file is, no image, truncated, damaged, too small or too large;
+///         kIo: the system does not let it be read; kInvalidArgument: options; kInternal: a library
+///         failed, or memory is short. One line that names the photograph and the remedy. No
+///         exception leaves this function.
 /// Deterministic for equal bytes and options. Thread-safe; peak memory about 150 bytes a pixel of
 /// the (reduced) photograph.
 Result<ExtractedPhoto> run_features(const PhotoFile& photo, const FeatureOptions& options);

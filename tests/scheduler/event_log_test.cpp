@@ -3,8 +3,11 @@
 #include "scheduler/event_log.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace psfm {
@@ -99,6 +102,36 @@ TEST(EventLog, AppendsLinesAndRefusesFolders) {
     EXPECT_EQ(line, R"({"event":"ima)") << "what follows has lines of its own";
     std::filesystem::remove(file);
     EXPECT_FALSE(EventLog::open(std::filesystem::temp_directory_path()).ok());
+}
+
+TEST(EventLog, WritesWhatDidNotFitAsSoonAsItDoes) {
+    const auto file =
+        std::filesystem::temp_directory_path() / ("psfm_full_" + std::to_string(getpid()));
+    PublishMessage publish;
+    publish.images.resize(3);
+    auto log = *EventLog::open(file);
+    log->write(publish);
+    const auto before = std::filesystem::file_size(file);
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit unlimited{};
+    getrlimit(RLIMIT_FSIZE, &unlimited);
+    rlimit full = unlimited;
+    full.rlim_cur = before + before / 2;  // in the middle of a line
+    setrlimit(RLIMIT_FSIZE, &full);
+    log->write(publish);
+    log->write(publish);
+    EXPECT_FALSE(log->good());
+    EXPECT_EQ(std::filesystem::file_size(file), full.rlim_cur);
+    setrlimit(RLIMIT_FSIZE, &unlimited);
+    log->write(GraphUsage{});
+    EXPECT_TRUE(log->good());
+    std::ifstream stream(file);
+    std::string line;
+    int images = 0;
+    while (std::getline(stream, line))
+        images += nlohmann::json::parse(line).at("event") == "image" ? 1 : 0;
+    EXPECT_EQ(images, 9) << "none is lost, torn or there twice";
+    std::filesystem::remove(file);
 }
 
 }  // namespace

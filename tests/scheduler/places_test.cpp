@@ -97,5 +97,29 @@ TEST(Places, AreKnownToTheNextProcess) {
     }
 }
 
+TEST(Places, SolutionsAreTakenInTheOrderOfTheirClusters) {
+    const Streets streets;
+    std::vector<std::vector<std::uint32_t>> orders;
+    for (const bool last_first : {false, true}) {
+        const testing::TemporaryFolder folder;
+        const auto store = test::open_store(folder);
+        SerialSession session(*store, streets.scene, streets.pairs);
+        for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
+        session.hold_solves();
+        session.end();
+        ASSERT_EQ(session.held_solves(), 2U) << "both streets settle";
+        const std::size_t before = session.events().size();
+        session.release_solves(last_first);
+        auto& clusters = orders.emplace_back();
+        for (std::size_t i = before; i < session.events().size(); ++i) {
+            const SessionEvent& event = session.events()[i];
+            if (event.kind == SessionEvent::Kind::kSolve) clusters.push_back(event.clusters.at(0));
+        }
+        EXPECT_EQ(clusters.size(), 2U);
+    }
+    EXPECT_EQ(orders[0], orders[1]);
+    EXPECT_TRUE(std::ranges::is_sorted(orders[0]));
+}
+
 }  // namespace
 }  // namespace psfm

@@ -257,6 +257,77 @@ TEST_F(RunSessionTest, BadPhotographsAreRejectedAndTheOthersGoOn) {
     }
 }
 
+TEST_F(RunSessionTest, WhatIsRejectedIsLookedAtAgainWhenItHasChanged) {
+    const fs::path folder_again = fresh("again");
+    fs::create_directories(folder_again);
+    for (const PhotoFile& photo : photos()) fs::copy(photo.path, folder_again / photo.name);
+    const fs::path late = folder_again / "photo_0003.jpg";
+    const fs::path stalled = folder_again / "photo_0004.jpg";
+    const std::vector<PhotoFile> all = list_photos(folder_again)->photos;
+    fs::remove(late);
+    fs::resize_file(stalled, 0);  // space for it is taken, its bytes have not come yet
+    fs::resize_file(stalled, fs::file_size(images() / "photo_0004.jpg"));
+    const fs::path session = fresh("again_session");
+    Outcome outcome;
+    run(session, SessionConfig{}, all, outcome);
+    EXPECT_EQ(outcome.run->counts.images, 7U);
+    EXPECT_EQ(outcome.run->counts.rejected, 2U);
+    fs::copy(images() / "photo_0003.jpg", late);
+    const auto before = fs::last_write_time(stalled);
+    fs::copy(images() / "photo_0004.jpg", stalled, fs::copy_options::overwrite_existing);
+    fs::last_write_time(stalled, before + std::chrono::seconds(1));
+    Outcome again;
+    run(session, SessionConfig{}, all, again);
+    EXPECT_EQ(again.run->counts.images, 9U);
+    EXPECT_EQ(again.run->counts.rejected, 0U) << "they are images now";
+}
+
+TEST_F(RunSessionTest, AnotherPhotographOfAKnownNameIsToldOfAndTheSameOneIsNot) {
+    std::vector<PhotoFile> arriving = photos();
+    arriving.resize(5);
+    arriving.push_back(arriving[1]);
+    arriving.push_back({arriving[2].path, arriving[0].name});
+    const fs::path session = fresh("known_name");
+    Outcome outcome;
+    run(session, SessionConfig{}, arriving, outcome);
+    EXPECT_EQ(outcome.run->counts.images, 5U);
+    EXPECT_EQ(outcome.run->counts.rejected, 0U) << "its name is that of an image";
+    std::vector<std::string> told;
+    for (const SessionEvent& event : outcome.recorder.events) {
+        if (event.kind == SessionEvent::Kind::kRejected) told.push_back(event.text);
+    }
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_NE(told[0].find(arriving[0].name + " is another photograph"), std::string::npos);
+}
+
+TEST_F(RunSessionTest, CamerasGivenLaterAreThoseOfLaterImages) {
+    const fs::path session = fresh("given_later");
+    std::vector<PhotoFile> first = photos();
+    first.resize(5);
+    SessionConfig config;
+    config.camera_sharing = CameraSharing::kImage;
+    Outcome outcome;
+    run(session, config, first, outcome);
+    const auto before = open_session_reader(session, {}).value()->cameras().value();
+    ASSERT_EQ(before.size(), 5U);
+    const Camera given = make_camera(480, 360, 375.0, FocalSource::kGiven);
+    for (const PhotoFile& photo : photos()) config.given_cameras[photo.name] = {"one", given};
+    config.given_cameras.erase("photo_0008.jpg");
+    run(session, config, photos(), outcome);
+    const auto reader = open_session_reader(session, {}).value();
+    const auto cameras = reader->cameras().value();
+    ASSERT_EQ(cameras.size(), 7U) << "one for three images, and one of its own";
+    for (const auto& [id, camera] : before) EXPECT_EQ(cameras.at(id), camera);
+    const std::vector<Image> accepted = reader->images().value();
+    for (const Image& image : accepted) {
+        if (index_of(image.id) < 5) {
+            EXPECT_EQ(index_of(image.camera), index_of(image.id));
+        } else {
+            EXPECT_EQ(cameras.at(image.camera) == given, image.name != "photo_0008.jpg");
+        }
+    }
+}
+
 TEST_F(RunSessionTest, GivenCamerasAreUsedAndCheckedForSize) {
     SessionConfig config;
     Camera camera = make_camera(480, 360, 375.0, FocalSource::kGiven);

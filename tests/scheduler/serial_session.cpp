@@ -97,8 +97,9 @@ void SerialSession::release_merge() {
     EXPECT_TRUE(run({merged(merge)}, kAll));
 }
 
-void SerialSession::release_solves() {
+void SerialSession::release_solves(bool last_first) {
     holds_solves_ = false;
+    if (last_first) std::ranges::reverse(held_);
     std::vector<CommitInput> messages;
     for (const SolveMessage& solve : held_) messages.push_back(solved(solve));
     held_.clear();

@@ -35,7 +35,8 @@ class SerialSession {
     void end();
     /// Solves take until the next release_solves(); messages that follow overtake them.
     void hold_solves() { holds_solves_ = true; }
-    void release_solves();
+    /// @param last_first  in the opposite order
+    void release_solves(bool last_first = false);
     std::size_t held_solves() const { return held_.size(); }
     /// Merges take until release_merge(), which lets the one in flight end.
     void hold_merges() { holds_merges_ = true; }

@@ -15,6 +15,7 @@ TEST(SessionConfig, SurvivesItsEncoding) {
     config.seed = 0xFFFFFFFFFFFFFFFFULL;
     config.vocabulary_file = "/words";
     config.order = {"b.jpg", "a.jpg"};
+    config.history = History::kFull;
     config.given_cameras["a.jpg"] = {"key", make_camera(100, 80, 90.25, FocalSource::kGiven)};
     const auto back = decode_config(encode_config(config));
     ASSERT_TRUE(back.ok()) << back.error().message;
@@ -23,6 +24,7 @@ TEST(SessionConfig, SurvivesItsEncoding) {
     EXPECT_TRUE(back->fix_intrinsics && back->deterministic && !back->batch);
     EXPECT_EQ(back->seed, config.seed);
     EXPECT_EQ(back->order, config.order);
+    EXPECT_EQ(back->history, History::kFull);
     EXPECT_EQ(back->given_cameras.at("a.jpg").camera, config.given_cameras.at("a.jpg").camera);
     EXPECT_EQ(back->given_cameras.at("a.jpg").key, "key");
 }

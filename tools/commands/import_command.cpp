@@ -30,7 +30,7 @@ std::map<std::string, GivenCamera> cameras_of(const ColmapDatabase& database) {
     return cameras;
 }
 
-int import(const ImportArguments& arguments) {
+int import(const CLI::App& command, const ImportArguments& arguments) {
     const auto database = ColmapDatabase::open(arguments.database);
     if (!database.ok()) return report_error(database.error(), ErrorOrigin::kOtherInput);
     auto config = config_from(arguments.session, [&] {
@@ -42,7 +42,7 @@ int import(const ImportArguments& arguments) {
     config->colmap_database =
         std::filesystem::absolute(arguments.database).lexically_normal().string();
     config->given_cameras = cameras_of(**database);
-    return start_session(arguments.session, arguments.database, *std::move(config), false);
+    return start_session(command, arguments.session, arguments.database, *std::move(config), false);
 }
 
 }  // namespace
@@ -66,7 +66,8 @@ void add_import_command(CLI::App& app, int& exit_code) {
         "Examples:\n"
         "  psfm import --session castle --colmap-database castle.db\n"
         "  psfm import --session castle --colmap-database castle.db --shuffle 1 --deterministic");
-    command->callback([arguments, &exit_code] { exit_code = import(*arguments); });
+    command->callback(
+        [command, arguments, &exit_code] { exit_code = import(*command, *arguments); });
 }
 
 }  // namespace psfm

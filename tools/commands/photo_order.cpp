@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "storage/exchange/image_name.h"
@@ -62,6 +62,27 @@ Result<std::vector<std::string>> read_order_file(const std::filesystem::path& fi
         return Error{ErrorCode::kInvalidArgument,
                      "the order file " + file.string() + " names no image"};
     return names;
+}
+
+Result<std::vector<PhotoFile>> photos_in_order(std::vector<PhotoFile> photos,
+                                               const std::vector<std::string>& order,
+                                               const std::set<std::string>& known,
+                                               const std::filesystem::path& input) {
+    if (order.empty()) return photos;
+    std::map<std::string, PhotoFile> by_name;
+    for (PhotoFile& photo : photos) by_name.emplace(photo.name, std::move(photo));
+    std::vector<PhotoFile> ordered;
+    for (const std::string& name : order) {
+        const auto found = by_name.find(name);
+        if (found != by_name.end()) {
+            ordered.push_back(std::move(found->second));
+        } else if (!known.contains(name)) {
+            return Error{ErrorCode::kNotFound,
+                         "the order names " + name + ", which is not in " + input.string() +
+                             "; correct the order file, or copy the photograph there"};
+        }
+    }
+    return ordered;
 }
 
 }  // namespace psfm

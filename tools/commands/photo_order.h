@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "graph/result.h"
+#include "stages/features/photo_file.h"
 
 namespace psfm {
 
@@ -21,5 +23,15 @@ std::vector<std::string> shuffled_names(std::vector<std::string> names, std::uin
 /// an absolute path, one with "..", control characters, no UTF-8, beyond 4096 bytes; no name at
 /// all)
 Result<std::vector<std::string>> read_order_file(const std::filesystem::path& file);
+
+/// Photographs as an order says, and only those that it names.
+/// @param order  names; empty: all, as they are
+/// @param known  names that the session has looked at: their files may be gone
+/// @param input  the folder or database that the photographs are of, for the error
+/// @errors kNotFound (the order names what is neither there nor known)
+Result<std::vector<PhotoFile>> photos_in_order(std::vector<PhotoFile> photos,
+                                               const std::vector<std::string>& order,
+                                               const std::set<std::string>& known,
+                                               const std::filesystem::path& input);
 
 }  // namespace psfm

@@ -30,7 +30,7 @@ Progress::~Progress() {
 }
 
 void Progress::on_publish(const PublishMessage& publish) {
-    if (log_) log_->write(publish);
+    write_log(publish);
     done_ += publish.images.size();
     if (!publish.images.empty()) settling_ = 0;  // a watched folder goes on after it has settled
     for (const SessionEvent& event : publish.events) {
@@ -61,6 +61,18 @@ void Progress::on_publish(const PublishMessage& publish) {
         }
     }
     if (terminal_) show(publish.counts);
+}
+
+void Progress::write_log(const PublishMessage& publish) {
+    if (!log_) return;
+    log_->write(publish);
+    if (log_->good() == log_is_behind_) {
+        log_is_behind_ = !log_->good();
+        say("psfm: the log " + log_->file().string() +
+            (log_is_behind_ ? " cannot be written to; is the disk full? What belongs there is kept "
+                              "for as long as this process lives"
+                            : " is complete again"));
+    }
 }
 
 void Progress::on_end(const SessionRun& run) {

@@ -29,11 +29,14 @@ class Progress final : public SessionObserver {
     bool log_failed() const { return log_ && !log_->good(); }
 
   private:
+    /// Says so when the log can no longer be written, and when it can again.
+    void write_log(const PublishMessage& publish);
     void say(const std::string& line);
     void show(const SessionCounts& counts);
 
     std::size_t expected_;
     std::unique_ptr<EventLog> log_;
+    bool log_is_behind_ = false;
     bool terminal_;
     bool line_open_ = false;
     std::size_t done_ = 0;

@@ -175,7 +175,7 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     request.config = *std::move(config);
     request.execution.threads = arguments.threads;
     request.log_file = arguments.log;
-    request.go_on_command = "repair";
+    request.go_on_command = command_line("repair", request.session);
     auto photos = photos_to_accept(*patient.reader, *intact, request);
     if (!photos.ok()) return report_error(photos.error());
     request.photos = *std::move(photos);

@@ -3,9 +3,12 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <iostream>
 #include <memory>
 
 #include "tools/commands/commands.h"
+#include "tools/commands/photo_order.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
@@ -20,6 +23,28 @@ struct ResumeArguments {
     std::size_t cache_mib = StoreOptions{}.cache_bytes >> 20U;
 };
 
+/// What is there of the photographs that the session began with. Those that it has need not be:
+/// without the others it goes on, too.
+Result<std::vector<PhotoFile>> photos_left(const SessionReader& store, const RunRequest& request) {
+    auto known = known_names(store);
+    if (!known.ok()) return known.error();
+    auto photos = photos_by_name(request);
+    if (!photos.ok()) {
+        if (known->empty() || !request.config.colmap_database.empty()) return photos;
+        std::cerr << "psfm: " << photos.error().message << "; going on with what the session has\n";
+        return std::vector<PhotoFile>();
+    }
+    std::size_t gone = 0;
+    for (const std::string& name : request.config.order) {
+        const bool is_there = std::ranges::binary_search(*photos, name, {}, &PhotoFile::name);
+        if (is_there || !known->insert(name).second) continue;
+        if (gone++ == 0) std::cerr << "psfm: " << request.input.string() << " lacks " << name;
+    }
+    if (gone > 1) std::cerr << " and " << gone - 1 << " more";
+    if (gone > 0) std::cerr << " of the session's order; going on without\n";
+    return photos_in_order(*std::move(photos), request.config.order, *known, request.input);
+}
+
 int resume(const ResumeArguments& arguments) {
     StoreOptions store_options;
     store_options.cache_bytes = arguments.cache_mib << 20U;
@@ -33,6 +58,10 @@ int resume(const ResumeArguments& arguments) {
     request.session = arguments.session;
     request.input = settings->photo_folder;
     request.config = *std::move(config);
+    request.go_on_command = command_line("resume", request.session);
+    auto photos = photos_left(**store, request);
+    if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
+    request.photos = *std::move(photos);
     request.execution.threads = arguments.threads;
     request.execution.idle_bytes = idle_bytes(store_options);
     request.log_file = arguments.log;

@@ -47,15 +47,18 @@ Result<SessionConfig> config_from(const RunArguments& arguments) {
     return config;
 }
 
-int run(const RunArguments& arguments) {
+int run(const CLI::App& command, const RunArguments& arguments) {
     auto config = config_from(arguments);
     if (!config.ok()) return report_error(config.error(), ErrorOrigin::kOtherInput);
-    if (!arguments.watch) {
-        // Before a session is made: a mistyped folder leaves nothing behind.
-        if (const auto listing = list_photos(arguments.photos); !listing.ok())
-            return report_error(listing.error(), ErrorOrigin::kOtherInput);
+    std::error_code unknown;
+    if (arguments.watch && !std::filesystem::is_directory(arguments.photos, unknown)) {
+        return report_error(
+            {ErrorCode::kNotFound,
+             arguments.photos + ": there is no such folder; make it, then watch it"},
+            ErrorOrigin::kOtherInput);
     }
-    return start_session(arguments.session, arguments.photos, *std::move(config), arguments.watch);
+    return start_session(command, arguments.session, arguments.photos, *std::move(config),
+                         arguments.watch);
 }
 
 }  // namespace
@@ -90,7 +93,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
         "A session can be continued with more photographs by the same command; those it has are "
         "skipped.\n"
         "Ctrl-C stops in order: `psfm resume --session DIR` goes on.");
-    command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+    command->callback([command, arguments, &exit_code] { exit_code = run(*command, *arguments); });
 }
 
 }  // namespace psfm

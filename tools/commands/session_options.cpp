@@ -5,30 +5,44 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <map>
+#include <filesystem>
+#include <set>
+#include <utility>
 
 #include "tools/commands/photo_order.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"
+#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {
 
-const std::map<std::string, History> kHistories{
-    {"none", History::kNone}, {"poses", History::kPoses}, {"full", History::kFull}};
+bool is_given(const CLI::App& command, const std::string& option) {
+    const CLI::Option* known = command.get_option_no_throw(option);
+    return known != nullptr && known->count() > 0;
+}
 
 /// What a session was begun with holds for all of its life; only the photographs and their order,
-/// given cameras and how it is executed may change from run to run.
-Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig asked) {
-    const auto differs = [&](const std::string& option) -> Error {
-        return {ErrorCode::kInvalidArgument,
-                "the session was begun with another " + option +
-                    "; leave the option as it was, or begin a new session"};
+/// given cameras, what is kept of versions and how it is executed may change from run to run.
+Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig asked,
+                                      const CLI::App& command) {
+    const auto holds = [&](const char* option, auto setting) {
+        const bool differs = is_given(command, option) && asked.*setting != begun.*setting;
+        asked.*setting = begun.*setting;
+        return !differs;
     };
-    if (begun.preset != asked.preset) return differs("--preset");
-    if (begun.camera_sharing != asked.camera_sharing) return differs("--camera-sharing");
-    if (begun.fix_intrinsics != asked.fix_intrinsics) return differs("--fix-intrinsics");
-    if (begun.seed != asked.seed) return differs("--seed");
+    const auto differs = [](const std::string& option) -> Error {
+        return {ErrorCode::kInvalidArgument, "the session was begun with another " + option +
+                                                 "; leave the option out, or begin a new session"};
+    };
+    if (!holds("--preset", &SessionConfig::preset)) return differs("--preset");
+    if (!holds("--camera-sharing", &SessionConfig::camera_sharing))
+        return differs("--camera-sharing");
+    if (!holds("--fix-intrinsics", &SessionConfig::fix_intrinsics))
+        return differs("--fix-intrinsics");
+    if (!holds("--seed", &SessionConfig::seed)) return differs("--seed");
+    if (!holds("--vocabulary", &SessionConfig::vocabulary_file)) return differs("--vocabulary");
+    if (!is_given(command, "--history")) asked.history = begun.history;
     if (begun.colmap_database != asked.colmap_database) {
         return Error{ErrorCode::kInvalidArgument,
                      begun.colmap_database.empty()
@@ -37,10 +51,23 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
                          : "the session was begun from " + begun.colmap_database +
                                "; continue it with `psfm import` and that file"};
     }
-    if (begun.vocabulary_file != asked.vocabulary_file) return differs("--vocabulary");
     for (const auto& [name, given] : begun.given_cameras)
         asked.given_cameras.try_emplace(name, given);
     return asked;
+}
+
+/// As the session was begun, if it was: one without an image may become anything yet.
+Result<SessionConfig> settle_config(const SessionStore& store, SessionConfig asked,
+                                    const CLI::App& command) {
+    const auto settings = store.settings();
+    if (!settings.ok() && settings.error().code == ErrorCode::kNotFound) return asked;
+    if (!settings.ok()) return settings.error();
+    const auto begun = decode_config(settings->settings_json);
+    if (!begun.ok()) return begun.error();
+    const auto images = store.images();
+    if (!images.ok()) return images.error();
+    if (images->empty()) return asked;
+    return continue_config(*begun, std::move(asked), command);
 }
 
 }  // namespace
@@ -94,6 +121,7 @@ Result<SessionConfig> config_from(const SessionArguments& arguments,
     config.deterministic = arguments.deterministic;
     config.batch = arguments.batch;
     config.seed = arguments.seed;
+    config.history = *history_from_name(arguments.history);
     if (!arguments.order_file.empty()) {
         auto order = read_order_file(arguments.order_file);
         if (!order.ok()) return order.error();
@@ -106,36 +134,56 @@ Result<SessionConfig> config_from(const SessionArguments& arguments,
     return config;
 }
 
-int start_session(const SessionArguments& arguments, const std::filesystem::path& input,
-                  SessionConfig config, bool watch) {
-    StoreOptions store_options;
-    store_options.cache_bytes = arguments.cache_mib << 20U;
-    store_options.history = kHistories.at(arguments.history);
-    auto store = SessionStore::open(arguments.session, store_options);
-    if (!store.ok()) return report_error(store.error());
-    const auto settings = (*store)->settings();
-    const bool is_new = !settings.ok() && settings.error().code == ErrorCode::kNotFound;
-    if (!settings.ok() && !is_new) return report_error(settings.error());
-    if (!is_new) {
-        const auto begun = decode_config(settings->settings_json);
-        if (!begun.ok()) return report_error(begun.error());
-        auto continued = continue_config(*begun, std::move(config));
-        if (!continued.ok()) return report_error(continued.error(), ErrorOrigin::kOtherInput);
-        config = *std::move(continued);
-    }
-    const SessionSettings stored{std::filesystem::absolute(input).lexically_normal().string(),
-                                 encode_config(config)};
-    if (const auto done = (*store)->put_settings(stored); !done.ok())
-        return report_error(done.error());
-
+int start_session(const CLI::App& command, const SessionArguments& arguments,
+                  const std::filesystem::path& input, SessionConfig config, bool watch) {
     RunRequest request;
     request.session = arguments.session;
     request.input = input;
     request.config = std::move(config);
-    request.execution.threads = arguments.threads;
-    request.execution.idle_bytes = idle_bytes(store_options);
     request.log_file = arguments.log;
     request.watch = watch;
+    request.go_on_command = command_line("resume", request.session);
+    if (watch) {
+        request.go_on_command =
+            command_line("run " + shell_word(input.string()), request.session) + " --watch";
+    } else {
+        auto photos = photos_by_name(request);
+        if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
+        request.photos = *std::move(photos);
+    }
+    const auto put_in_order = [&](const std::set<std::string>& known) -> Result<void> {
+        auto ordered = photos_in_order(request.photos, request.config.order, known, input);
+        if (!ordered.ok()) return ordered.error();
+        request.photos = *std::move(ordered);
+        return {};
+    };
+    // Before a session is made: a mistyped name leaves nothing behind.
+    if (!watch && !std::filesystem::exists(request.session)) {
+        if (const auto done = put_in_order({}); !done.ok())
+            return report_error(done.error(), ErrorOrigin::kOtherInput);
+    }
+
+    StoreOptions store_options;
+    store_options.cache_bytes = arguments.cache_mib << 20U;
+    request.execution.threads = arguments.threads;
+    request.execution.idle_bytes = idle_bytes(store_options);
+    auto store = SessionStore::open(arguments.session, store_options);
+    if (!store.ok()) return report_error(store.error());
+    auto settled = settle_config(**store, std::move(request.config), command);
+    if (!settled.ok()) {
+        const bool is_asked = settled.error().code == ErrorCode::kInvalidArgument;
+        return report_error(settled.error(),
+                            is_asked ? ErrorOrigin::kOtherInput : ErrorOrigin::kSession);
+    }
+    request.config = *std::move(settled);
+    if (!watch) {
+        const auto known = known_names(**store);
+        if (!known.ok()) return report_error(known.error());
+        if (const auto done = put_in_order(*known); !done.ok())
+            return report_error(done.error(), ErrorOrigin::kOtherInput);
+    }
+    request.settings = SessionSettings{std::filesystem::absolute(input).lexically_normal().string(),
+                                       encode_config(request.config)};
     return run_and_report(**store, request);
 }
 

@@ -46,10 +46,13 @@ void add_session_options(CLI::App& command, SessionArguments& arguments);
 Result<SessionConfig> config_from(const SessionArguments& arguments,
                                   const std::function<Result<std::vector<std::string>>()>& names);
 
-/// Opens the session or makes it, checks that it goes on as it was begun, and runs it.
+/// Opens the session or makes it, and runs it. One that has images goes on as it was begun: of what
+/// shapes results, what the command line leaves out is as it was, and what it asks for has to be.
+/// Nothing of a session is changed, and none is made, by a command that cannot be followed.
+/// @param command  parsed: which options were given
 /// @param input  folder of photographs, or the database
 /// @return the program's exit code; failures have been reported
-int start_session(const SessionArguments& arguments, const std::filesystem::path& input,
-                  SessionConfig config, bool watch);
+int start_session(const CLI::App& command, const SessionArguments& arguments,
+                  const std::filesystem::path& input, SessionConfig config, bool watch);
 
 }  // namespace psfm

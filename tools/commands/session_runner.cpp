@@ -65,26 +65,6 @@ void catch_interrupts() {
     sigaction(SIGTERM, &action, nullptr);
 }
 
-/// The photographs that take part, in order of arrival.
-Result<std::vector<PhotoFile>> photos_in_order(const RunRequest& request) {
-    if (request.photos) return *request.photos;
-    auto photos = photos_by_name(request);
-    if (!photos.ok() || request.config.order.empty()) return photos;
-    std::map<std::string, PhotoFile> by_name;
-    for (PhotoFile& photo : *photos) by_name.emplace(photo.name, std::move(photo));
-    std::vector<PhotoFile> ordered;
-    for (const std::string& name : request.config.order) {
-        const auto found = by_name.find(name);
-        if (found == by_name.end()) {
-            return Error{ErrorCode::kNotFound,
-                         "the order names " + name + ", which is not in " + request.input.string() +
-                             "; correct the order file, or copy the photograph there"};
-        }
-        ordered.push_back(found->second);
-    }
-    return ordered;
-}
-
 void print_summary(const SessionRun& run, const RunRequest& request) {
     const SessionCounts& counts = run.counts;
     std::cout << counts.placed << " of " << counts.images << " images placed, in "
@@ -102,8 +82,8 @@ void print_summary(const SessionRun& run, const RunRequest& request) {
         std::cout << (names.size() > 5 ? " …\n" : "\n");
     }
     if (counts.placed > 0) {
-        std::cout << "Take the model out with: psfm export --session "
-                  << shell_word(request.session.string()) << " --format colmap --output MODEL\n";
+        std::cout << "Take the model out with: " << command_line("export", request.session)
+                  << " --format colmap --output MODEL\n";
     }
 }
 
@@ -126,27 +106,48 @@ Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request) {
     return std::move(listing->photos);
 }
 
+Result<std::set<std::string>> known_names(const SessionReader& store) {
+    const auto images = store.images();
+    if (!images.ok()) return images.error();
+    const auto rejected = store.rejected();
+    if (!rejected.ok()) return rejected.error();
+    std::set<std::string> names;
+    for (const Image& image : *images) names.insert(image.name);
+    for (const RejectedPhoto& photo : *rejected) names.insert(photo.name);
+    return names;
+}
+
+std::string command_line(const std::string& command, const std::filesystem::path& session) {
+    return "psfm " + command + " --session " + shell_word(session.string());
+}
+
 int run_and_report(SessionStore& store, const RunRequest& request) {
     std::unique_ptr<PhotoSource> source;
     std::size_t expected = 0;
     if (request.watch) {
-        source = std::make_unique<WatchFolder>(request.input);
+        source = std::make_unique<WatchFolder>(request.input, [](const std::string& line) {
+            const char* over_progress = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
+            std::cerr << over_progress + line + '\n';
+        });
     } else {
-        auto photos = photos_in_order(request);
-        if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
         const auto images = store.images();
         if (!images.ok()) return report_error(images.error());
-        std::set<std::string> known;
-        for (const Image& image : *images) known.insert(image.name);
+        std::set<std::string> accepted;
+        for (const Image& image : *images) accepted.insert(image.name);
         expected = static_cast<std::size_t>(std::ranges::count_if(
-            *photos, [&](const PhotoFile& photo) { return !known.contains(photo.name); }));
-        source = std::make_unique<PhotoList>(*std::move(photos));
+            request.photos,
+            [&](const PhotoFile& photo) { return !accepted.contains(photo.name); }));
+        source = std::make_unique<PhotoList>(request.photos);
     }
     std::unique_ptr<EventLog> log;
     if (!request.log_file.empty()) {
         auto opened = EventLog::open(request.log_file);
         if (!opened.ok()) return report_error(opened.error(), ErrorOrigin::kOtherInput);
         log = *std::move(opened);
+    }
+    if (request.settings) {
+        if (const auto stored = store.put_settings(*request.settings); !stored.ok())
+            return report_error(stored.error());
     }
     const ThreadBudget budget(request.execution.threads);
     catch_interrupts();
@@ -164,16 +165,14 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     print_summary(*run, request);
     if (run->interrupted) {
         std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
-                     "psfm "
-                  << request.go_on_command << " --session " << shell_word(request.session.string())
-                  << '\n';
-        return request.watch ? 0 : 1;
+                  << request.go_on_command << '\n';
     }
     if (log_failed) {
         return report_error(
             {ErrorCode::kIo, "the log " + request.log_file +
                                  " could not be written to its end; is the disk full?"});
     }
+    if (run->interrupted) return request.watch ? 0 : 1;
     if (run->counts.images == 0) {
         return report_error({ErrorCode::kUnreadable, "no image of " + request.input.string() +
                                                          " could be used; the reasons stand above"},

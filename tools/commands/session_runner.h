@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,12 @@ struct RunRequest {
     std::filesystem::path input;  ///< folder of photographs, or the COLMAP database
     SessionConfig config;
     ExecutionOptions execution;
-    std::string log_file;  ///< empty: no log
-    bool watch = false;
-    std::optional<std::vector<PhotoFile>> photos;  ///< these, instead of what `input` holds
-    Salvage* salvage = nullptr;                    ///< what is taken over from a damaged session
-    std::string go_on_command = "resume";          ///< what goes on after a Ctrl-C
+    std::string log_file;                     ///< empty: no log
+    bool watch = false;                       ///< `input` is looked at again and again
+    std::vector<PhotoFile> photos;            ///< else: what takes part, in order of arrival
+    std::optional<SessionSettings> settings;  ///< stored before anything else
+    Salvage* salvage = nullptr;               ///< what is taken over from a damaged session
+    std::string go_on_command;                ///< what goes on after a Ctrl-C
 };
 
 /// What `--cache` leaves for the keypoints of clusters that rest, and again for their points.
@@ -35,8 +37,14 @@ inline std::size_t idle_bytes(const StoreOptions& options) {
 /// Tells of files that cannot.
 Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request);
 
-/// Runs a session in an open store, from listing the photographs to the summary on stdout; Ctrl-C
-/// stops it in order.
+/// Names of all photographs that a session has looked at, accepted or not.
+Result<std::set<std::string>> known_names(const SessionReader& store);
+
+/// `psfm COMMAND --session DIR`, to be copied into a shell.
+std::string command_line(const std::string& command, const std::filesystem::path& session);
+
+/// Runs a session in an open store, up to the summary on stdout; Ctrl-C stops it in order. What is
+/// wrong with the log or the folder is found before the session's settings are changed.
 /// @return the program's exit code; failures have been reported
 int run_and_report(SessionStore& store, const RunRequest& request);
 

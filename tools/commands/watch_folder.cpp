@@ -2,41 +2,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/watch_folder.h"
 
+#include <algorithm>
+#include <optional>
+#include <utility>
+
 #include "stages/features/photo_listing.h"
 
 namespace psfm {
+
+namespace fs = std::filesystem;
 
 PhotoSource::Next WatchFolder::next(PhotoFile& photo) {
     if (ready_.empty() && std::chrono::steady_clock::now() >= next_look_) {
         look();
         next_look_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     }
-    if (ready_.empty()) return Next::kLater;
-    photo = ready_.front();
-    ready_.pop_front();
-    return Next::kPhoto;
+    while (!ready_.empty()) {
+        photo = std::move(ready_.front());
+        ready_.pop_front();
+        if (stamp_of(photo.path)) return Next::kPhoto;
+        handed_on_.erase(photo.name);  // gone while it waited; it may come back
+    }
+    return Next::kLater;
 }
 
 void WatchFolder::look() {
     const auto listing = list_photos(folder_);
-    if (!listing.ok())
-        return;  // still empty, or gone for the moment: a watched folder may come back
-    // Of files that are gone again nothing is kept: this runs for weeks.
-    std::map<std::string, std::uintmax_t> size_at_this_look;
+    if (!listing.ok()) {
+        // Still empty, or gone for the moment: what was handed on is still known when it is back.
+        std::error_code away;
+        const fs::directory_iterator entries(folder_, away);
+        tell(away ? std::set{listing.error().message + "; waiting for it"}
+                  : std::set<std::string>{});
+        if (!away) handed_on_.clear();
+        return;
+    }
+    std::set<std::string> lines;
+    for (const RejectedPath& rejected : listing->rejected)
+        lines.insert("rejected " + rejected.name + ": " + rejected.reason);
+    tell(std::move(lines));
+
+    std::map<std::string, FileStamp> this_look;
+    std::map<std::string, FileStamp> still_there;
     for (const PhotoFile& photo : listing->photos) {
-        if (handed_on_.contains(photo.name)) continue;
-        std::error_code error;
-        const std::uintmax_t size = std::filesystem::file_size(photo.path, error);
-        if (error) continue;
-        const auto known = size_at_last_look_.find(photo.name);
-        if (known != size_at_last_look_.end() && known->second == size) {
-            handed_on_.insert(photo.name);
+        const std::optional<FileStamp> stamp = stamp_of(photo.path);
+        if (!stamp) continue;
+        const auto known = handed_on_.find(photo.name);
+        if (known != handed_on_.end() && known->second == *stamp) {
+            still_there.insert(*known);
+            continue;
+        }
+        const auto before = last_look_.find(photo.name);
+        if (before != last_look_.end() && before->second == *stamp) {
+            still_there.emplace(photo.name, *stamp);
             ready_.push_back(photo);
         } else {
-            size_at_this_look.emplace(photo.name, size);
+            this_look.emplace(photo.name, *stamp);
         }
     }
-    size_at_last_look_ = std::move(size_at_this_look);
+    last_look_ = std::move(this_look);
+    handed_on_ = std::move(still_there);
+}
+
+void WatchFolder::tell(std::set<std::string> lines) {
+    for (const std::string& line : lines) {
+        if (!told_.contains(line)) tell_(line);
+    }
+    told_ = std::move(lines);
 }
 
 }  // namespace psfm

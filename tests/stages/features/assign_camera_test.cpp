@@ -112,8 +112,8 @@ TEST(AssignCameraTest, InitialCamera) {
 TEST(AssignCameraTest, AssignsIdsInOrder) {
     std::map<std::string, CameraId> known;
     const auto add = [&](const PhotoMetadata& metadata, const char* name) {
-        const CameraAssignment assignment =
-            assign_camera(CameraSharing::kAuto, metadata, name, known);
+        const CameraAssignment assignment = assign_camera(
+            CameraSharing::kAuto, metadata, name, known, static_cast<CameraId>(known.size()));
         EXPECT_EQ(assignment.added.has_value(), !known.contains(assignment.key));
         known.emplace(assignment.key, assignment.camera);
         return index_of(assignment.camera);

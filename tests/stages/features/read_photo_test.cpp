@@ -29,10 +29,11 @@ using testing::textured_image;
 class ReadPhotoTest : public ::testing::Test {
   protected:
     /// The message of a refusal, checked for code, name and form.
-    std::string refusal(const PhotoFile& photo, const ReadPhotoOptions& options = {}) {
+    std::string refusal(const PhotoFile& photo, const ReadPhotoOptions& options = {},
+                        ErrorCode code = ErrorCode::kUnreadable) {
         const Result<DecodedPhoto> result = read_photo(photo, options);
         if (result) return "was read";
-        EXPECT_EQ(result.error().code, ErrorCode::kUnreadable);
+        EXPECT_EQ(result.error().code, code);
         EXPECT_THAT(result.error().message, StartsWith(photo.name + ": "));
         EXPECT_THAT(result.error().message, Not(HasSubstr("\n")));
         return result.error().message;
@@ -148,12 +149,13 @@ TEST_F(ReadPhotoTest, RefusesWhatIsNoImage) {
 TEST_F(ReadPhotoTest, RefusesWhatCannotBeRead) {
     std::filesystem::create_directory(folder_.path() / "x.jpg");
     EXPECT_THAT(refusal({folder_.path() / "x.jpg", "x.jpg"}), HasSubstr("is a folder"));
-    EXPECT_THAT(refusal({folder_.path() / "gone.jpg", "gone.jpg"}), HasSubstr("cannot be opened"));
+    EXPECT_THAT(refusal({folder_.path() / "gone.jpg", "gone.jpg"}, {}, ErrorCode::kIo),
+                HasSubstr("cannot be opened"));
     ASSERT_EQ(::mkfifo((folder_.path() / "pipe.jpg").c_str(), 0600), 0);
     EXPECT_THAT(refusal({folder_.path() / "pipe.jpg", "pipe.jpg"}),
                 HasSubstr("pipe, socket or device"));
     // Opens, but every read fails, for root as well.
-    EXPECT_THAT(refusal({"/proc/self/mem", "mem.jpg"}),
+    EXPECT_THAT(refusal({"/proc/self/mem", "mem.jpg"}, {}, ErrorCode::kIo),
                 HasSubstr("cannot be read (Input/output error)"));
 }
 

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sessions that are gone on with from the command line: what holds, what may change, and what a mistaken
+command leaves as it was. Usage: go_on_test.py BUILD [TEST …]"""
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+BUILD = Path()
+BAD_INPUT, USAGE = 3, 2
+
+
+def psfm(*words):
+    """@return exit code, stdout and stderr"""
+    done = subprocess.run([BUILD / "psfm", *map(str, words)], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+class GoOn(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.shared = Path(folder.name)
+        assert psfm("simulate", "--scene", "courtyard", "--images", 14, "--output", cls.shared / "scene")[0] == 0
+        subprocess.run([BUILD / "tests/synthetic/psfm-render-scene", cls.shared / "wall", "--scene", "wall", "--images", "6",
+                        "--width", "400", "--height", "300"], check=True, stdout=subprocess.DEVNULL)
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.session = self.folder / "session"
+
+    def database(self):
+        return "--colmap-database", self.shared / "scene/database.db", "--session", self.session
+
+    def ends(self, code, *words):
+        """Runs psfm; it has to end with that exit code. @return what it said"""
+        ended, said = psfm(*words)
+        self.assertEqual(ended, code, said)
+        self.assertNotIn("terminate", said)
+        return said
+
+    def wall(self):
+        photos = self.folder / "photos"
+        shutil.copytree(self.shared / "wall/images", photos)
+        return photos
+
+    def images(self):
+        return json.loads(self.ends(0, "status", "--session", self.session, "--json"))["images"]
+
+    def test_an_order_that_cannot_be_followed_changes_nothing(self):
+        order = self.folder / "order.txt"
+        order.write_text("nobody.jpg\n")
+        self.assertIn("nobody.jpg", self.ends(BAD_INPUT, "import", *self.database(), "--order", order))
+        self.assertFalse(self.session.exists())
+        self.ends(0, "import", *self.database())
+        self.ends(BAD_INPUT, "import", *self.database(), "--order", order)
+        self.ends(0, "resume", "--session", self.session)
+
+    def test_a_mistyped_vocabulary_can_be_put_right(self):
+        photos = self.folder / "photos"
+        photos.mkdir()
+        (photos / "a.jpg").write_text("no photograph")
+        missing = self.folder / "nowhere.psfm"
+        run = "run", photos, "--session", self.session
+        self.assertIn(str(missing), self.ends(BAD_INPUT, *run, "--vocabulary", missing))
+        self.assertIn("a.jpg: is not an image", self.ends(BAD_INPUT, *run))
+        missing.write_text("no vocabulary")
+        self.assertIn(str(missing), self.ends(BAD_INPUT, *run, "--vocabulary", missing))
+
+    def test_a_log_that_cannot_be_written_changes_nothing(self):
+        self.ends(1, "import", *self.database(), "--log", self.folder, "--seed", 3)
+        self.ends(0, "import", *self.database())
+        self.ends(BAD_INPUT, "import", *self.database(), "--seed", 3)
+
+    def test_what_is_left_out_is_as_it_was(self):
+        self.ends(0, "import", *self.database(), "--fix-intrinsics", "--seed", 3, "--preset", "paper")
+        self.ends(0, "import", *self.database())
+        self.ends(0, "import", *self.database(), "--seed", 3)
+        self.assertIn("another --seed", self.ends(BAD_INPUT, "import", *self.database(), "--seed", 4))
+        self.assertIn("another --preset", self.ends(BAD_INPUT, "import", *self.database(), "--preset", "default"))
+
+    def test_resume_keeps_the_history_that_was_asked_for(self):
+        log = self.folder / "log"
+        with subprocess.Popen([BUILD / "psfm", "import", *self.database(), "--history", "full", "--deterministic", "--log",
+                               log], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+            while process.poll() is None and (not log.exists() or log.read_text().count('"event":"image"') < 5):
+                time.sleep(0.005)
+            process.send_signal(signal.SIGINT)
+            said = process.communicate()[1]
+        if process.returncode != 0:  # else it was faster than this test
+            self.assertIn(f"psfm resume --session {self.session}", said)
+            self.ends(0, "resume", "--session", self.session)
+        for image in (10, 12):
+            said = self.ends(0, "export", "--session", self.session, "--format", "colmap", "--after-image", image, "--output",
+                             self.folder / f"model{image}")
+            self.assertNotIn("only poses", said)
+
+    def test_files_that_the_session_has_may_be_gone(self):
+        photos = self.wall()
+        order = self.folder / "order.txt"
+        names = sorted(photo.name for photo in photos.iterdir())
+        order.write_text("\n".join(names[:5]))
+        run = "run", photos, "--session", self.session
+        self.ends(0, *run, "--order", order)
+        (photos / names[0]).unlink()
+        order.write_text("\n".join(names))
+        self.ends(0, *run, "--order", order)
+        self.assertEqual(self.images(), 6)
+        shutil.rmtree(photos)
+        self.assertIn("going on with what the session has", self.ends(0, "resume", "--session", self.session))
+        self.assertIn("no such folder", self.ends(BAD_INPUT, *run))
+
+    def test_what_the_system_refused_is_looked_at_again(self):
+        photos = self.wall()
+        gone = sorted(photos.iterdir())[2]
+        (photos / "link.jpg").symlink_to("/proc/self/mem")  # cannot be read, and never changes
+        run = "run", photos, "--session", self.session
+        self.assertIn("link.jpg", self.ends(0, *run))
+        self.assertIn("link.jpg", self.ends(0, *run))
+        (photos / "link.jpg").unlink()
+        (photos / "link.jpg").write_bytes(gone.read_bytes() + b"not the same")
+        self.ends(0, *run)
+        self.assertEqual(self.images(), 7)
+
+    def test_a_folder_that_is_not_there_is_not_watched(self):
+        nowhere = self.folder / "nowhere"
+        self.assertIn(f"{nowhere}: there is no such folder",
+                      self.ends(BAD_INPUT, "run", nowhere, "--session", self.session, "--watch"))
+        self.assertFalse(self.session.exists())
+
+    def test_a_command_that_does_not_exist_is_named(self):
+        self.assertIn("'reconstruct'", self.ends(USAGE, "reconstruct", "--session", self.session))
+
+
+if __name__ == "__main__":
+    BUILD = Path(sys.argv.pop(1)).resolve()
+    unittest.main()
