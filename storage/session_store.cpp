@@ -71,6 +71,9 @@ Result<std::unique_ptr<SessionStore>> open_session_store(const fs::path& folder,
                                                          const StoreOptions& options, OpenMode mode,
                                                          const StoreSeams& seams) {
     const auto state = inspect_session_folder(folder);
+    if (!state && state.error().code == ErrorCode::kInvalidArgument &&
+        mode == OpenMode::kExistingOnly)
+        return not_there(folder);
     if (!state) return state.error();
     if (*state == FolderState::kNew) {
         if (mode == OpenMode::kExistingOnly) return not_there(folder);

@@ -16,6 +16,11 @@ Error file_error(const std::filesystem::path& path, int error_number) {
         return {ErrorCode::kNoSpace, path.string() + " cannot be written: " + reason +
                                          "; free some space or choose another output folder"};
     }
+    if (error_number == EEXIST || error_number == ENOTDIR || error_number == EISDIR) {
+        return {ErrorCode::kInvalidArgument,
+                path.string() + " cannot be written: something of that name is there (" + reason +
+                    "); remove it, or choose another output folder"};
+    }
     return {ErrorCode::kIo, path.string() + " cannot be written: " + reason +
                                 "; check the folder's permissions or choose another output folder"};
 }

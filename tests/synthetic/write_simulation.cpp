@@ -90,6 +90,10 @@ Result<SimulationSummary> write_simulation(const LookAlikeScene& scene,
     if (const auto valid = validate(options); !valid) return valid.error();
     const std::filesystem::path reference = folder / "reference";
     std::error_code code;
+    if (std::filesystem::exists(folder, code) && !std::filesystem::is_directory(folder, code)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     folder.string() + " is a file: choose another output folder"};
+    }
     std::filesystem::create_directories(reference, code);
     if (code) {
         return Error{ErrorCode::kIo,

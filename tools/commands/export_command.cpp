@@ -5,7 +5,9 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -16,6 +18,7 @@
 #include "tools/commands/export_database.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"
+#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {
@@ -74,6 +77,10 @@ int run_export(const ExportArguments& arguments) {
         feature_use(*format));
     if (!models) return report_error(models.error());
     if (models->empty()) return report_error(no_model(arguments, scene->image_count));
+    if (arguments.after_image.value_or(0) > images->size()) {
+        std::cerr << "psfm: the session has " << counted(images->size(), "image")
+                  << "; this is its latest model\n";
+    }
     const bool any_points = std::ranges::any_of(
         *models, [](const ExportedModel& model) { return !model.points.empty(); });
     if (!any_points) {
@@ -116,7 +123,7 @@ void add_export_command(CLI::App& app, int& exit_code) {
     command
         ->add_option("--after-image", arguments->after_image,
                      "the model as it was after this many images, instead of the latest one")
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::Range(1U, std::numeric_limits<std::uint32_t>::max()))
         ->type_name("N");
     command->footer(
         "One model an effective cluster, largest first:\n"

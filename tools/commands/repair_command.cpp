@@ -159,9 +159,11 @@ Result<void> change_names(const Folders& folders) {
 int run_again(const Folders& folders, const RepairArguments& arguments, Patient& patient) {
     const auto settings = patient.reader->settings();
     if (!settings.ok()) {
-        std::cerr << "psfm: the settings of the session cannot be recomputed; run its photographs "
-                     "into a new session\n";
-        report_error(settings.error());
+        std::cerr << "psfm: the settings of " << quoted(folders.session)
+                  << " are lost and cannot be recomputed; run its photographs into a new session\n";
+        patient.reader.reset();
+        std::error_code stays;
+        fs::remove_all(folders.rebuilt, stays);
         return kStoreDamaged;
     }
     auto config = decode_config(settings->settings_json);

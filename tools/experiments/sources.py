@@ -55,7 +55,7 @@ def in_datasets(settings, path):
         raise Failed("where the photographs are is not known; set PSFM_DATASETS or give --datasets DIR")
     found = settings.datasets / path
     if not found.exists():
-        raise Failed(f"{found} is missing; --datasets (or PSFM_DATASETS) names the folder that DATASETS.md describes")
+        raise Failed(f"{found} is missing; --datasets (or PSFM_DATASETS) names the folder that docs/datasets.md describes")
     return found
 
 
@@ -63,7 +63,7 @@ def photograph_names(folder):
     names = [file.relative_to(folder).as_posix() for file in folder.rglob("*")
              if file.suffix.lower() in SUFFIXES and file.is_file()]
     if not names:
-        raise Failed(f"{folder} holds no photographs; --datasets names the folder that DATASETS.md describes")
+        raise Failed(f"{folder} holds no photographs; --datasets names the folder that docs/datasets.md describes")
     return orders.sorted_names(names)
 
 

@@ -138,6 +138,21 @@ class GoOn(unittest.TestCase):
                       self.ends(BAD_INPUT, "run", nowhere, "--session", self.session, "--watch"))
         self.assertFalse(self.session.exists())
 
+    def test_what_is_in_the_way_of_an_output_is_named(self):
+        file = self.folder / "file.txt"
+        file.write_text("mine")
+        self.assertIn(f"{file} is a file", self.ends(BAD_INPUT, "simulate", "--images", 12, "--output", file))
+        self.assertIn("there is no psfm session in", self.ends(BAD_INPUT, "compact", "--session", file))
+        self.assertIn("there is no psfm session in", self.ends(BAD_INPUT, "resume", "--session", file))
+        self.ends(0, "import", *self.database())
+        export = "export", "--session", self.session, "--format", "colmap", "--output"
+        (self.folder / "model").mkdir()
+        (self.folder / "model/0").write_text("mine")
+        self.assertIn("model/0", self.ends(BAD_INPUT, *export, self.folder / "model"))
+        self.assertEqual((self.folder / "model/0").read_text(), "mine")
+        self.ends(USAGE, *export, self.folder / "model0", "--after-image", 0)
+        self.assertIn("14 images", self.ends(0, *export, self.folder / "model1", "--after-image", 99))
+
     def test_a_command_that_does_not_exist_is_named(self):
         self.assertIn("'reconstruct'", self.ends(USAGE, "reconstruct", "--session", self.session))
 
