@@ -139,14 +139,14 @@ void EventLog::write(const PublishMessage& publish) {
     std::string lines;
     for (const SessionEvent& event : publish.events) lines += log_line(event) + '\n';
     for (const ImageReport& image : publish.images) lines += log_line(image, publish.counts) + '\n';
-    append(std::move(lines));
+    append(lines);
 }
 
 void EventLog::write(const GraphUsage& usage) {
     append(log_line(usage) + '\n');
 }
 
-void EventLog::append(std::string lines) {
+void EventLog::append(const std::string& lines) {
     if (unwritten_.size() + lines.size() <= kMostUnwritten) {
         unwritten_ += lines;
     } else {

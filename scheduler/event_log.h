@@ -36,7 +36,7 @@ class EventLog {
   private:
     EventLog(std::filesystem::path file, int descriptor)
         : file_(std::move(file)), descriptor_(descriptor) {}
-    void append(std::string lines);
+    void append(const std::string& lines);
 
     std::filesystem::path file_;
     int descriptor_;
