@@ -81,7 +81,8 @@ class Repair(unittest.TestCase):
             self.assertEqual(check.returncode, 4, table)
             self.assertIn("psfm repair", check.stderr)
             if "meta" in check.stdout:
-                self.assertIn("settings of the session cannot be recomputed", self.repair(4).stderr)
+                self.assertIn("are lost and cannot be recomputed", self.repair(4).stderr)
+                self.assertEqual([folder.name for folder in self.folder.glob("session*")], ["session"])
                 continue
             self.assertIn("taken over", self.repair().stdout)
             self.assertTrue((self.folder / "session.damaged/psfm-session").exists(), "nothing is thrown away")
