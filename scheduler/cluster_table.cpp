@@ -295,6 +295,14 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
     return &entry;
 }
 
+void ClusterTable::give_up(ClusterId cluster) {
+    ++coalesced_;
+    const auto found = entries_.find(cluster);
+    if (found == entries_.end()) return;
+    found->second.phase = ClusterPhase::kClean;
+    make_dirty(found->second);
+}
+
 void ClusterTable::learn_depths(ClusterId cluster,
                                 const std::shared_ptr<const Reconstruction>& model,
                                 std::shared_ptr<const std::vector<double>> depths) {

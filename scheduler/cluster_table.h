@@ -130,6 +130,10 @@ class ClusterTable {
     const ClusterEntry* finish(const ClusterProblem& problem, ClusterSolution& solution,
                                bool solved = true);
 
+    /// Leaves a result out of account (counted as coalesced): its cluster, if it is still there, is
+    /// dirty, and has the material that it had. REQUIRES: a solve of it was in flight
+    void give_up(ClusterId cluster);
+
     /// What a merge found of a cluster's model; nothing happens where it has another one by now.
     void learn_depths(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,
                       std::shared_ptr<const std::vector<double>> depths);

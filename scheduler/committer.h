@@ -62,8 +62,11 @@ class Committer {
     Result<void> on(const MergedMessage& message, CommitOutput& output);
     Result<void> on(const EndOfPhotos& message, CommitOutput& output);
 
-    /// A solution becomes its cluster's, and is committed. @errors those of the store
-    Result<void> take_solution(const SolvedMessage& message);
+    /// A solution becomes its cluster's, and is committed. @return whether what it says of places
+    /// has changed clusters @errors those of the store
+    Result<bool> take_solution(const SolvedMessage& message);
+    /// The contrary: its cluster is solved again, from what the store has.
+    void give_up(const SolvedMessage& message);
     /// Turns a photograph down. @param hash  of its content; 0: not known
     /// @param stamp  looked at again when it differs from that; nothing: in any case
     Result<void> reject(const ExtractedMessage& message, const std::string& reason,

@@ -222,6 +222,26 @@ TEST(ClusterTable, AFailedSolveLeavesAllMaterialForTheNext) {
               (Models{images({0, 1, 2}), images({3, 4, 5})}));
 }
 
+TEST(ClusterTable, AResultThatIsGivenUpLeavesNoTrace) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    table.apply(members(1, {4, 5, 6}));
+    solve_dirty(table);
+    table.apply(members(0, {0, 1, 2, 3}));
+    table.apply(members(1, {4, 5, 6, 7}));
+    ASSERT_EQ(table.take_dirty().size(), 2U);
+    table.apply(members(1, {4, 5}));
+    for (const std::uint32_t id : {0U, 1U, 2U}) table.give_up(cluster(id));
+    EXPECT_EQ(table.coalesced(), 3U) << "one of a cluster that is gone, too";
+    EXPECT_EQ(table.entries().at(cluster(1)).phase, ClusterPhase::kClean) << "too small by now";
+    EXPECT_EQ(table.entries().at(cluster(1)).model, nullptr);
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_EQ(dirty.front()->topology, 2U) << "nothing changed but by the edit";
+    EXPECT_EQ(dirty.front()->revision, 1U);
+    EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})});
+}
+
 TEST(ClusterTable, ALostEdgeMakesACleanClusterDirty) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));

@@ -97,6 +97,48 @@ TEST(Places, AreKnownToTheNextProcess) {
     }
 }
 
+/// What a process would solve again that was killed after the first of several solutions.
+TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
+    const Streets streets;
+    const testing::TemporaryFolder folder;
+    const auto store = test::open_store(folder);
+    SerialSession session(*store, streets.scene, streets.pairs);
+    std::uint32_t next = 0;
+    while (session.state().edges.apart_count == 0 && next < kImages) {
+        ASSERT_TRUE(session.add_image());
+        ++next;
+    }
+    const auto cluster_of = [&](std::uint32_t street_of) {
+        const bool is_first = streets.first_street.contains(static_cast<ImageId>(street_of));
+        for (const auto& [id, entry] : session.state().clusters.entries()) {
+            if (entry.model && streets.first_street.contains(entry.members.front()) == is_first)
+                return id;
+        }
+        return ClusterId{};
+    };
+    const auto is_one_then_two = [&](std::uint32_t image) {
+        return cluster_of(image) < cluster_of(image + 1) &&
+               cluster_of(image + 1) == cluster_of(image + 2);
+    };
+    for (; !is_one_then_two(next); ++next) {
+        ASSERT_LT(next + 2, kImages);
+        ASSERT_TRUE(session.add_image());
+    }
+    const ClusterId first = cluster_of(next);
+    const ClusterId second = cluster_of(next + 1);
+    session.hold_solves();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(session.add_image());
+    ASSERT_EQ(session.held_solves(), 2U) << "one of each street, the second's is outgrown";
+    const auto published = session.state().clusters.entries().at(second).model;
+    session.release_showing_two_places(first);
+    const auto again = std::ranges::find(
+        session.held(), second, [](const SolveMessage& solve) { return solve.problem->cluster; });
+    ASSERT_NE(again, session.held().end());
+    ASSERT_EQ(again->problem->recycled.size(), 1U);
+    EXPECT_EQ(again->problem->recycled.front(), published);
+    EXPECT_EQ(again->problem->images.size(), published->images.size() + 2);
+}
+
 TEST(Places, SolutionsAreTakenInTheOrderOfTheirClusters) {
     const Streets streets;
     std::vector<std::vector<std::uint32_t>> orders;

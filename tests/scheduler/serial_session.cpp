@@ -106,6 +106,22 @@ void SerialSession::release_solves(bool last_first) {
     EXPECT_TRUE(run(std::move(messages), kAll));
 }
 
+void SerialSession::release_showing_two_places(ClusterId cluster) {
+    std::vector<CommitInput> messages;
+    for (const SolveMessage& solve : std::exchange(held_, {})) {
+        auto solution = solve_cluster(*solve.problem, options_.solve, nullptr);
+        if (solution.ok() && solve.problem->cluster == cluster) {
+            const std::vector<RegisteredImage>& images = solution->model->images;
+            solution->places.resize(2);
+            for (std::size_t i = 0; i < images.size(); ++i)
+                solution->places[2 * i / images.size()].push_back(images[i].image);
+        }
+        messages.emplace_back(SolvedMessage{
+            solve.problem, std::make_shared<const Result<ClusterSolution>>(std::move(solution))});
+    }
+    EXPECT_TRUE(run(std::move(messages), kAll));
+}
+
 bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) {
     std::deque<CommitInput> queue(std::make_move_iterator(messages.begin()),
                                   std::make_move_iterator(messages.end()));

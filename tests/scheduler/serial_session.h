@@ -37,6 +37,10 @@ class SerialSession {
     void hold_solves() { holds_solves_ = true; }
     /// @param last_first  in the opposite order
     void release_solves(bool last_first = false);
+    /// The solve of this cluster says that its model shows two places, half of its images each, the
+    /// others what they say; solves that follow are held.
+    void release_showing_two_places(ClusterId cluster);
+    const std::vector<SolveMessage>& held() const { return held_; }
     std::size_t held_solves() const { return held_.size(); }
     /// Merges take until release_merge(), which lets the one in flight end.
     void hold_merges() { holds_merges_ = true; }
