@@ -76,8 +76,8 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
 void Committer::give_up(const SolvedMessage& message) {
     state_.clusters.give_up(message.problem->cluster);
     if (!message.solution->ok()) return;
-    events_.push_back(describe_solve(*message.problem, *message.solution,
-                                     message.solution->value(), /*published=*/false));
+    events_.push_back(describe_solve(*message.problem, *message.solution, message.solution->value(),
+                                     /*published=*/false));
 }
 
 Result<bool> Committer::take_solution(const SolvedMessage& message) {
