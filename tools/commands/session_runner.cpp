@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -32,18 +33,27 @@ class ReturnsMemory final : public SessionObserver {
     void on_publish(const PublishMessage& publish) override {
         observer_->on_publish(publish);
         images_ += publish.images.size();
-        if (images_ < kImagesBetween) return;
+        const Clock::time_point begin = Clock::now();
+        if (images_ < kImagesBetween || begin < next_) return;
         images_ = 0;
         malloc_trim(0);
+        const Clock::time_point end = Clock::now();
+        next_ = end + kPause * (end - begin);
     }
 
   private:
+    using Clock = std::chrono::steady_clock;
+
     /// Raised: more memory; lowered: the heap is gone through more often, and its pages come back
-    /// one by one. Ours.
-    static constexpr std::size_t kImagesBetween = 64;
+    /// one by one. Ours, tuned on tools/bench/soak.
+    static constexpr std::size_t kImagesBetween = 16;
+    /// Times as long as going through the heap has taken, which grows with the heap. Raised: more
+    /// memory in large sessions; lowered: more time, a hundredth of all with this. Ours.
+    static constexpr int kPause = 100;
 
     SessionObserver* observer_;
     std::size_t images_ = 0;
+    Clock::time_point next_;
 };
 
 std::atomic<bool> stop_requested{
