@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <glog/logging.h>
-#include <malloc.h>
 #include <sys/resource.h>
 
 #include <CLI/App.hpp>
@@ -12,6 +11,20 @@
 #include <opencv2/core/utils/logger.hpp>
 
 #include "tools/commands/commands.h"
+
+#ifdef PSFM_JEMALLOC
+#include <jemalloc/jemalloc.h>
+
+/// Read by jemalloc before main(). Whoever knows better sets MALLOC_CONF.
+/// - A thread of its own gives back what has been free for a second, also when psfm has nothing to
+///   do. Longer: more memory. Ours, tuned on tools/bench/soak.
+/// - Buffers of whole photographs are kept as long as others, instead of being unmapped at once,
+/// and
+///   lie in huge pages where the system allows it (it may be set to "madvise"): mapping them page
+///   by page, again and again, was a third of all processor time (docs/performance.md).
+const char* malloc_conf =
+    "background_thread:true,dirty_decay_ms:1000,oversize_threshold:0,thp:always";
+#endif
 
 namespace {
 
@@ -63,16 +76,6 @@ void quieten_libraries() {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 }
 
-/// Blocks of models and images go back to the system when they are freed. glibc raises its
-/// threshold with every large block, and then keeps them in pieces: a session of 140 photographs
-/// grew to 1046 instead of 945 MB, in the same time.
-void return_large_blocks() {
-    constexpr int kLargeBytes = 128 << 10;
-    constexpr int kTopBytes = 8 << 20;
-    mallopt(M_MMAP_THRESHOLD, kLargeBytes);
-    mallopt(M_TRIM_THRESHOLD, kTopBytes);
-}
-
 /// All tables of a session stay open, for readers to go on with those that the writer has deleted:
 /// hundreds in a session of some GB. Most systems allow 1024 files at first, and many more to who
 /// asks. Where that fails, the session says that too many files are open.
@@ -87,7 +90,6 @@ void allow_open_files() {
 
 int main(int argc, char** argv) {
     try {
-        return_large_blocks();
         allow_open_files();
         quieten_libraries();
         return run(argc, argv);

@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/session_runner.h"
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -23,38 +21,6 @@
 
 namespace psfm {
 namespace {
-
-/// Gives memory back to the system that has been freed between blocks in use: what is read, kept
-/// for a while and dropped again leaves holes in the heap.
-class ReturnsMemory final : public SessionObserver {
-  public:
-    explicit ReturnsMemory(SessionObserver& observer) : observer_(&observer) {}
-
-    void on_publish(const PublishMessage& publish) override {
-        observer_->on_publish(publish);
-        images_ += publish.images.size();
-        const Clock::time_point begin = Clock::now();
-        if (images_ < kImagesBetween || begin < next_) return;
-        images_ = 0;
-        malloc_trim(0);
-        const Clock::time_point end = Clock::now();
-        next_ = end + kPause * (end - begin);
-    }
-
-  private:
-    using Clock = std::chrono::steady_clock;
-
-    /// Raised: more memory; lowered: the heap is gone through more often, and its pages come back
-    /// one by one. Ours, tuned on tools/bench/soak.
-    static constexpr std::size_t kImagesBetween = 16;
-    /// Times as long as going through the heap has taken, which grows with the heap. Raised: more
-    /// memory in large sessions; lowered: more time, a hundredth of all with this. Ours.
-    static constexpr int kPause = 100;
-
-    SessionObserver* observer_;
-    std::size_t images_ = 0;
-    Clock::time_point next_;
-};
 
 std::atomic<bool> stop_requested{
     false};  // NOLINT: what a signal handler may touch has to be global
@@ -165,8 +131,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     bool log_failed = false;
     {
         Progress progress(expected, std::move(log));
-        ReturnsMemory observer(progress);
-        run = run_session(store, request.config, request.execution, *source, observer,
+        run = run_session(store, request.config, request.execution, *source, progress,
                           stop_requested, request.salvage);
         if (run.ok()) progress.on_end(*run);
         log_failed = progress.log_failed();
