@@ -21,6 +21,3 @@ pkg_check_modules(exiv2 REQUIRED IMPORTED_TARGET exiv2)
 pkg_check_modules(lensfun REQUIRED IMPORTED_TARGET lensfun)
 pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)
 pkg_check_modules(libheif REQUIRED IMPORTED_TARGET libheif)
-if(NOT PSFM_SANITIZE)  # sanitizers have an allocator of their own
-  pkg_check_modules(jemalloc REQUIRED IMPORTED_TARGET jemalloc)
-endif()

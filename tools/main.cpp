@@ -18,10 +18,9 @@
 /// Read by jemalloc before main(). Whoever knows better sets MALLOC_CONF.
 /// - A thread of its own gives back what has been free for a second, also when psfm has nothing to
 ///   do. Longer: more memory. Ours, tuned on tools/bench/soak.
-/// - Buffers of whole photographs are kept as long as others, instead of being unmapped at once,
-/// and
-///   lie in huge pages where the system allows it (it may be set to "madvise"): mapping them page
-///   by page, again and again, was a third of all processor time (docs/performance.md).
+/// - Buffers of whole photographs are kept as long as others, instead of being unmapped at once.
+/// - They lie in huge pages where the system leaves these to who asks: mapping them page by page,
+///   again and again, was a quarter to a third of all processor time (docs/performance.md).
 const char* malloc_conf =
     "background_thread:true,dirty_decay_ms:1000,oversize_threshold:0,thp:always";
 #endif
