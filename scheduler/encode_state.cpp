@@ -35,6 +35,7 @@ std::string encode_solve_state(const StoredSolveState& state) {
     return json{{"images_at_full_adjustment", state.state.images_at_full_adjustment},
                 {"tolerated_contradiction_deg", state.state.tolerated_contradiction_deg},
                 {"images_at_contradiction", state.state.images_at_contradiction},
+                {"new_start_is_due", state.state.new_start_is_due},
                 {"images_at_start", state.state.images_at_start},
                 {"images_at_places", state.state.images_at_places},
                 {"has_strangers", state.state.has_strangers},
@@ -63,6 +64,7 @@ StoredSolveState decode_solve_state(const std::string& text) {
         angle != object.end() && angle->is_number()) {
         state.state.tolerated_contradiction_deg = angle->get<double>();
     }
+    flag("new_start_is_due", state.state.new_start_is_due);
     flag("has_strangers", state.state.has_strangers);
     flag("settled", state.settled);
     return state;

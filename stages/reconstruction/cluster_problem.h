@@ -38,6 +38,8 @@ struct SolveState {
     /// solving new again before either has grown.
     double tolerated_contradiction_deg = 0.0;
     std::uint32_t images_at_contradiction = 0;
+    /// Whether solving new was put off then until the model settles (is_put_off).
+    bool new_start_is_due = false;
     /// Images of the cluster when it was last solved new, whichever model was kept.
     std::uint32_t images_at_start = 0;
     /// Images of the model when it was last asked for places (separate_places), and whether images

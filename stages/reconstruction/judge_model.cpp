@@ -30,8 +30,9 @@ bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options) 
 }
 
 bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
-                          const SolveState& state, const SolveOptions& options) {
+                          const SolveState& state, bool settle, const SolveOptions& options) {
     if (contradiction.angle_deg <= options.max_contradiction_deg) return false;
+    if (settle && state.new_start_is_due) return true;
     const bool worse = contradiction.angle_deg > 1.5 * state.tolerated_contradiction_deg;
     const bool larger = 4 * images > 5 * std::size_t{state.images_at_contradiction};
     return worse || larger;
@@ -41,7 +42,7 @@ std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
                                              const ClusterProblem& problem,
                                              const SolveOptions& options) {
     const std::size_t placed = attempt.model.images.size();
-    if (is_bad_configuration(attempt.contradiction, placed, attempt.state, options))
+    if (is_bad_configuration(attempt.contradiction, placed, attempt.state, problem.settle, options))
         return Reset::Reason::kContradiction;
     // What was started with few images may stand where the others cannot be reached from.
     const std::size_t members = problem.images.size();
@@ -49,6 +50,13 @@ std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
     const bool larger = problem.settle ? members > at_start : 4 * members > 5 * at_start;
     if (4 * placed < 3 * members && larger) return Reset::Reason::kStuck;
     return std::nullopt;
+}
+
+bool is_put_off(const SolveAttempt& attempt, const ClusterProblem& problem, Reset::Reason reason,
+                const SolveOptions& options) {
+    return reason == Reset::Reason::kContradiction && !problem.settle &&
+           problem.images.size() > options.adjust_all_up_to &&
+           contradicting_part(attempt) <= options.max_contradicting_edges;
 }
 
 bool is_better(const SolveAttempt& fresh, const SolveAttempt& old, Reset::Reason reason,

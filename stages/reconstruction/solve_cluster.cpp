@@ -193,10 +193,11 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     if (!grown.ok()) return grown.error();
     if (attempt.places) return attempt;
     if (is_bad_configuration(find_contradiction(model, graph, options.max_contradiction_deg),
-                             model.registered_count(), attempt.state, options)) {
+                             model.registered_count(), attempt.state, problem.settle, options)) {
         const auto mended =
             mend_model(model, problem, graph, options, cancel, attempt.state, attempt.statistics);
         if (!mended.ok()) return mended.error();
+        if (attempt.statistics.reset) attempt.state.new_start_is_due = false;
         attempt.state.images_at_places = 0;  // another model, of as many images
     }
     const auto closing = close_open_loops(model, problem, graph, options, cancel, attempt);
@@ -212,6 +213,15 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
     return attempt;
 }
 
+/// Notes that a recycled model has been compared with a new one, or is to be when it settles.
+void note_compared(const ClusterProblem& problem, Reset::Reason reason, SolveAttempt& attempt) {
+    SolveState& state = attempt.state;
+    state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
+    if (reason != Reset::Reason::kContradiction) return;
+    state.tolerated_contradiction_deg = attempt.contradiction.angle_deg;
+    state.images_at_contradiction = static_cast<std::uint32_t>(attempt.model.images.size());
+}
+
 /// Extends what is recycled, or solves new when the result contradicts the averaged rotations or
 /// leaves much of the cluster out.
 Result<SolveAttempt> solve_or_reset(const ClusterProblem& problem, const LocalGraph& graph,
@@ -220,7 +230,13 @@ Result<SolveAttempt> solve_or_reset(const ClusterProblem& problem, const LocalGr
     auto attempt = solve_recycled(problem, graph, matches, options, cancel);
     if (!attempt.ok() || attempt->places) return attempt;
     const auto reason = reason_to_reset(*attempt, problem, options);
+    attempt->state.new_start_is_due = reason ? is_put_off(*attempt, problem, *reason, options)
+                                             : attempt->state.new_start_is_due && !problem.settle;
     if (!reason) return attempt;
+    if (attempt->state.new_start_is_due) {
+        note_compared(problem, *reason, *attempt);
+        return attempt;
+    }
     auto fresh = solve_new(problem, graph, matches, options, cancel);
     if (!fresh.ok()) return fresh;
     if (is_better(*fresh, *attempt, *reason, options)) {
@@ -228,12 +244,7 @@ Result<SolveAttempt> solve_or_reset(const ClusterProblem& problem, const LocalGr
                                         static_cast<std::uint32_t>(attempt->model.images.size())};
         attempt = std::move(fresh);
     }
-    SolveState& state = attempt->state;
-    state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
-    if (*reason == Reset::Reason::kContradiction) {
-        state.tolerated_contradiction_deg = attempt->contradiction.angle_deg;
-        state.images_at_contradiction = static_cast<std::uint32_t>(attempt->model.images.size());
-    }
+    note_compared(problem, *reason, *attempt);
     return attempt;
 }
 

@@ -121,8 +121,9 @@ struct SolveOptions {
     /// Ours (docs/performance.md).
     std::uint32_t converge_up_to = 500;
     /// Larger models are adjusted where they have grown or were joined, all of them only when they
-    /// settle: an image costs the same however many there are. Raised: slower, drift spreads
-    /// over the whole model sooner; the paper adjusts all, whatever the size. Ours.
+    /// settle, and most of them are not solved new before that (is_put_off): an image costs the
+    /// same however many there are. Raised: slower, drift spreads over the whole model sooner; the
+    /// paper adjusts all, whatever the size. Ours.
     std::uint32_t adjust_all_up_to = 1000;
     /// Images of such a model that are adjusted where others were joined to it, beside these, at
     /// least. Raised: slower; lowered: what they differ by is spread over fewer. Ours.

@@ -11,6 +11,7 @@ TEST(EncodeState, SolveStateSurvives) {
     const StoredSolveState state{{.images_at_full_adjustment = 17,
                                   .tolerated_contradiction_deg = 12.5,
                                   .images_at_contradiction = 20,
+                                  .new_start_is_due = true,
                                   .images_at_start = 9,
                                   .images_at_places = 16,
                                   .has_strangers = true},

@@ -43,6 +43,34 @@ TEST(ReasonToReset, IsAContradictionThatWasNotLookedAtBefore) {
     EXPECT_EQ(reason_to_reset(attempt, cluster_of(20), {}), Reset::Reason::kContradiction);
 }
 
+TEST(ReasonToReset, IsWhatWasPutOffOnceTheModelSettles) {
+    SolveAttempt attempt = attempt_of(20, 100, 2);
+    attempt.state.tolerated_contradiction_deg = 60.0;
+    attempt.state.images_at_contradiction = 20;
+    attempt.state.new_start_is_due = true;
+    ClusterProblem problem = cluster_of(20);
+    EXPECT_EQ(reason_to_reset(attempt, problem, {}), std::nullopt);
+    problem.settle = true;
+    EXPECT_EQ(reason_to_reset(attempt, problem, {}), Reset::Reason::kContradiction);
+    attempt.contradiction.angle_deg = 2.0;
+    EXPECT_EQ(reason_to_reset(attempt, problem, {}), std::nullopt) << "mended meanwhile";
+}
+
+TEST(IsPutOff, OfALargeModelThatHardlyContradicts) {
+    constexpr auto kReason = Reset::Reason::kContradiction;
+    SolveOptions options;
+    options.adjust_all_up_to = 20;
+    const SolveAttempt attempt = attempt_of(20, 100, 2);
+    EXPECT_TRUE(is_put_off(attempt, cluster_of(21), kReason, options));
+    EXPECT_FALSE(is_put_off(attempt, cluster_of(20), kReason, options)) << "started soon enough";
+    EXPECT_FALSE(is_put_off(attempt_of(20, 100, 3), cluster_of(21), kReason, options));
+    EXPECT_FALSE(is_put_off(attempt, cluster_of(21), Reset::Reason::kStuck, options))
+        << "images wait for it";
+    ClusterProblem settling = cluster_of(21);
+    settling.settle = true;
+    EXPECT_FALSE(is_put_off(attempt, settling, kReason, options));
+}
+
 TEST(ReasonToReset, IsAClusterThatGrewAndStayedOut) {
     SolveAttempt attempt = attempt_of(14, 100, 0);
     attempt.state.images_at_start = 16;

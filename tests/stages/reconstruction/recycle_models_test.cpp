@@ -186,6 +186,28 @@ TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
     EXPECT_LT(max_position_error(*solution, scene), 0.02);
 }
 
+TEST(RecycleModels, PutsOffTheResetOfALargeModelUntilItSettles) {
+    const SyntheticScene scene = noisy_ring(4);
+    SolveOptions options;
+    options.adjust_all_up_to = kImages - 1;
+    options.max_contradicting_edges = 1.0;  // of so few edges many contradict
+    ClusterProblem problem = ring_problem(scene, {folded_model(scene)});
+    const auto before = solve_cluster(problem, options);
+    ASSERT_TRUE(before.ok());
+    EXPECT_FALSE(before->statistics.reset);
+    EXPECT_TRUE(before->state.new_start_is_due);
+    EXPECT_GT(max_position_error(*before, scene), 1.0) << "folded still";
+    problem.recycled = {before->model};
+    problem.recycled_state = before->state;
+    EXPECT_FALSE(solve_cluster(problem, options)->statistics.reset) << "nor with the next image";
+    problem.settle = true;
+    const auto settled = solve_cluster(problem, options);
+    ASSERT_TRUE(settled.ok());
+    EXPECT_TRUE(settled->statistics.reset);
+    EXPECT_FALSE(settled->state.new_start_is_due);
+    EXPECT_LT(max_position_error(*settled, scene), 0.02);
+}
+
 /// Images that left a cluster while it was being solved, and came back with what they brought
 /// along, are in both models.
 TEST(RecycleModels, JoinsModelsThatShareImages) {
