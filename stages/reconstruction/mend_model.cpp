@@ -99,6 +99,7 @@ Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, cons
     statistics.reset = std::move(reset);
     state.tolerated_contradiction_deg = after.angle_deg;
     state.images_at_contradiction = model.registered_count();
+    state.new_start_is_due = false;
     return {};
 }
 

@@ -197,7 +197,6 @@ Result<SolveAttempt> solve_recycled(const ClusterProblem& problem, const LocalGr
         const auto mended =
             mend_model(model, problem, graph, options, cancel, attempt.state, attempt.statistics);
         if (!mended.ok()) return mended.error();
-        if (attempt.statistics.reset) attempt.state.new_start_is_due = false;
         attempt.state.images_at_places = 0;  // another model, of as many images
     }
     const auto closing = close_open_loops(model, problem, graph, options, cancel, attempt);
