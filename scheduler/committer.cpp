@@ -220,9 +220,7 @@ Result<void> Committer::advance(CommitOutput& output) {
     // timing; what an earlier process was settling ends as one version, as it would have there.
     const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
-        settle_first_ = false;
-        begin_settling();
-        if (const auto settled = go_on_settling(output); !settled.ok()) return settled;
+        if (const auto concluded = conclude(output); !concluded.ok()) return concluded;
     }
     const bool quiet = all_verified && !state_.clusters.busy();
     const bool due = changed_ && !merging_ && !hold && time_for_version(quiet);

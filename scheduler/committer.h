@@ -86,6 +86,12 @@ class Committer {
     /// @param others  clusters whose records changed as well
     /// @errors those of the store
     Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
+    /// Takes over what changed in the clustering, because of these edges.
+    Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
+                             const std::set<ClusterId>& others);
+    /// Joins what was held apart for its size (join_held_clusters). @return whether there was
+    /// something @errors those of the store
+    Result<bool> join_held();
     /// Guests of large clusters after a change. @return clusters that got or lost one
     std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
                                         const ClusteringEdit& edit);
@@ -108,6 +114,9 @@ class Committer {
     /// @errors those of the store
     Result<void> start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
                               CommitOutput& output);
+    /// What becomes of a session at rest to which no photograph comes: what was held apart is
+    /// joined, and once nothing is, all settles. @errors those of the store
+    Result<void> conclude(CommitOutput& output);
     /// All that has not settled is to settle, the largest model first.
     void begin_settling();
     /// What is to settle does, as much of it as may at once. Deterministic sessions settle all from

@@ -55,8 +55,23 @@ Result<StoredEdit> Committer::separate(const ClusterProblem& problem,
 }
 
 Result<StoredEdit> Committer::apply(const EdgeChanges& edges, const std::set<ClusterId>& others) {
-    const ClusteringEdit edit =
-        update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering);
+    return apply(
+        update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering),
+        edges, others);
+}
+
+Result<bool> Committer::join_held() {
+    const ClusteringEdit joined = join_held_clusters(state_.clustering);
+    if (joined.changed.empty()) return false;
+    const auto edit = apply(joined, EdgeChanges{}, {});
+    if (!edit.ok()) return edit.error();
+    changed_ = true;
+    const auto stored = store_->commit_clusters(*edit);
+    return stored.ok() ? Result<bool>(true) : stored.error();
+}
+
+Result<StoredEdit> Committer::apply(const ClusteringEdit& edit, const EdgeChanges& edges,
+                                    const std::set<ClusterId>& others) {
     std::vector<ClusterId> cut;
     cut.reserve(edit.changed.size() + edit.moved.size());
     for (const ClusterMembers& changed : edit.changed) cut.push_back(changed.id);

@@ -1,13 +1,25 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The committer at the end of the photographs: every model is adjusted to convergence.
+// The committer at the end of the photographs: what was held apart is joined, and every model is
+// adjusted to convergence.
 #include <algorithm>
+#include <utility>
 
 #include "scheduler/committer.h"
 #include "scheduler/describe_events.h"
 
 namespace psfm {
+
+Result<void> Committer::conclude(CommitOutput& output) {
+    if (!std::exchange(settle_first_, false)) {
+        const auto joined = join_held();
+        if (!joined.ok()) return joined.error();
+        if (*joined) return start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
+    }
+    begin_settling();
+    return go_on_settling(output);
+}
 
 void Committer::begin_settling() {
     std::vector<SettlingModel> models;

@@ -59,6 +59,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
     StageOptions options;
     if (config.preset == "paper") {
         options.clustering.form = JaccardForm::kLiteral;
+        options.clustering.join_up_to = 0;
         options.edges.min_relative_plausibility = 0.0;
         options.solve.rotation_averaging = RotationAveragingOptions{};
         options.solve.plausibility.reset();

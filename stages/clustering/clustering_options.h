@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "graph/result.h"
@@ -26,7 +27,20 @@ struct ClusteringOptions {
     /// clusters, more left to merging. Paper, sec. "Implementation".
     double eta = 0.2;
     JaccardForm form = JaccardForm::kMutual;  ///< kLiteral with --preset paper
+    /// Clusters that together have more images, each of them at least `hold_from`, are joined only
+    /// by join_held_clusters, when no more images come: until then what happens in one of them
+    /// costs what it does in a cluster of this size, they are solved side by side, and merging puts
+    /// them into one frame. Raised: joints of thousands of images while images stream in; lowered:
+    /// what is seen from two clusters is known less well in between. 0: all are joined at once, as
+    /// in the paper. Ours (docs/performance.md).
+    std::uint32_t join_up_to = 1000;
+    /// A cluster of fewer images joins one of any size. Raised: joints with large clusters more
+    /// often; lowered: more small clusters beside them. Ours.
+    std::uint32_t hold_from = 100;
 };
+
+/// Whether clusters of so many images, at least one each, are joined at once.
+bool may_join(std::size_t a, std::size_t b, const ClusteringOptions& options);
 
 /// @errors kInvalidArgument
 Result<void> validate(const ClusteringOptions& options);

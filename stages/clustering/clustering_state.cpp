@@ -18,15 +18,19 @@ Error mismatch(const std::string& what) {
                 what + "); use the options that the session was made with, or cluster anew"};
 }
 
-/// Two images are together iff their clusters' links join them.
-bool are_components(const ClusteringState& state) {
+/// Links join all images of a cluster, and none of two that may join.
+bool are_components(const ClusteringState& state, const ClusteringOptions& options) {
     std::vector<bool> seen(state.size(), false);
     for (const auto& [id, members] : state.members) {
         std::vector<ImageId> found{members.front()};
         seen[index_of(members.front())] = true;
         for (std::size_t at = 0; at < found.size(); ++at) {
             for (const ImageId next : state.links[index_of(found[at])]) {
-                if (state.cluster_of[index_of(next)] != id) return false;
+                if (const ClusterId other = state.cluster_of[index_of(next)]; other != id) {
+                    if (may_join(members.size(), state.members.at(other).size(), options))
+                        return false;
+                    continue;
+                }
                 if (seen[index_of(next)]) continue;
                 seen[index_of(next)] = true;
                 found.push_back(next);
@@ -80,7 +84,7 @@ Result<ClusteringState> restore_clustering(const ViewGraph& graph,
     std::vector<ImageId> all(graph.size());
     for (std::uint32_t i = 0; i < graph.size(); ++i) all[i] = static_cast<ImageId>(i);
     update_links(state, graph, all, options);
-    if (!are_components(state)) return mismatch("other images are linked");
+    if (!are_components(state, options)) return mismatch("other images are linked");
     return state;
 }
 

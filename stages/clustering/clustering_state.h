@@ -18,8 +18,8 @@ namespace psfm {
 /// What update_clustering keeps between images: a value, owned by one serial node.
 /// Invariants, with the graph and options of the last update:
 ///   1. links[i] holds, ascending, exactly the neighbours j of i with an edge and d_ij < eta.
-///   2. Two images are in one cluster iff a path of links joins them; every image is in exactly
-///   one.
+///   2. Every image is in exactly one cluster. Two images are in one iff a path of links joins them
+///   that are not held; held are those between clusters that may not join (may_join).
 ///   3. members and cluster_of agree; members ascending, none empty; all ids are below next_id.
 ///   4. degrees[i] == weighted_degree(graph, i).
 struct ClusteringState {

@@ -21,7 +21,10 @@ struct Search {
 class SeedSearches {
   public:
     SeedSearches(ClusteringState& state, std::span<const ImageId> seeds)
-        : links_(state.links), stamp_(state.workspace.stamp), searches_(seeds.size()) {
+        : links_(state.links),
+          cluster_of_(state.cluster_of),
+          stamp_(state.workspace.stamp),
+          searches_(seeds.size()) {
         std::uint32_t& last = state.workspace.last_stamp;
         if (seeds.size() >= std::numeric_limits<std::uint32_t>::max() - last) {
             std::ranges::fill(stamp_, 0U);
@@ -88,6 +91,7 @@ class SeedSearches {
     std::size_t expand_next(std::size_t root) {
         const ImageId image = searches_[root].frontier[searches_[root].next++];
         for (const ImageId neighbor : links_[index_of(image)]) {
+            if (cluster_of_[index_of(neighbor)] != cluster_of_[index_of(image)]) continue;
             const std::uint32_t stamp = stamp_[index_of(neighbor)];
             if (stamp < base_) {
                 reach(neighbor, root);
@@ -102,6 +106,7 @@ class SeedSearches {
     }
 
     const std::vector<std::vector<ImageId>>& links_;
+    const std::vector<ClusterId>& cluster_of_;
     std::vector<std::uint32_t>& stamp_;
     std::uint32_t base_ = 0;
     std::vector<Search> searches_;

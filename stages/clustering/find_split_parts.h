@@ -14,9 +14,9 @@ namespace psfm {
 /// one image each; searches that meet become one, one that runs dry has found a whole part; ends
 /// when a single search is left. Cost: that many steps for each of the parts found, however large
 /// the rest is; if nothing fell apart, the time for the seeds to meet.
-/// @param state links are followed, workspace.stamp is used
-/// @param seeds one or more images; REQUIRES: every part of the group holds a seed (the ends of all
-/// lost links do)
+/// @param state links between images of equal cluster_of are followed, workspace.stamp is used
+/// @param seeds one or more images of one cluster; REQUIRES: every part of it holds a seed (the
+/// ends of all lost links do)
 /// @return the parts but for one, which is as likely as not the largest; images in order of
 /// discovery
 std::vector<std::vector<ImageId>> find_split_parts(ClusteringState& state,

@@ -11,79 +11,60 @@
 
 #include "stages/clustering/apply_relabelling.h"
 #include "stages/clustering/find_split_parts.h"
+#include "stages/clustering/relabeller.h"
 #include "stages/clustering/update_links.h"
 
 namespace psfm {
 namespace {
 
-/// Provisional labels: former clusters by their ids, new groups by unused numbers.
-class Relabeller {
-  public:
-    Relabeller(ClusteringState& state, std::size_t new_size)
-        : state_(state), former_size_(state.size()), next_label_(state.next_id) {
-        for (std::size_t image = former_size_; image < new_size; ++image) {
-            const ClusterId label = fresh_label();
-            state_.cluster_of.push_back(label);
-            relabelling_.arrived.push_back(static_cast<ImageId>(image));
-            joined_[label] = {relabelling_.arrived.back()};
+/// Joins along links, those of most weight first: an image between clusters that may not join
+/// belongs to the one that it has most in common with.
+void join_along(Relabeller& relabeller, const ViewGraph& graph, std::vector<ImagePair> links) {
+    std::vector<std::pair<double, ImagePair>> weighted;
+    weighted.reserve(links.size());
+    for (const ImagePair& link : links)
+        weighted.emplace_back(-graph.find(link.first, link.second)->weight, link);
+    std::ranges::sort(weighted);
+    for (const auto& [weight, link] : weighted) relabeller.join(link.first, link.second);
+}
+
+/// Links from these images to other clusters.
+std::vector<ImagePair> links_out_of(const ClusteringState& state,
+                                    const std::vector<ImageId>& images) {
+    std::vector<ImagePair> links;
+    for (const ImageId image : images) {
+        for (const ImageId other : state.links[index_of(image)]) {
+            if (state.cluster_of[index_of(other)] != state.cluster_of[index_of(image)])
+                links.push_back(ImagePair::of(image, other));
         }
     }
+    return links;
+}
 
-    /// Joins the groups of two images, the smaller one into the larger (ties: into the older
-    /// label).
-    void join(ImageId x, ImageId y) {
-        ClusterId into = state_.cluster_of[index_of(x)];
-        ClusterId from = state_.cluster_of[index_of(y)];
-        if (into == from) return;
-        const auto rank = [&](ClusterId label) {
-            return std::pair(-size_of(label), index_of(label));
-        };
-        if (rank(from) < rank(into)) std::swap(into, from);
-        std::vector<ImageId> gained;
-        if (const auto found = state_.members.find(from); found != state_.members.end()) {
-            gained = found->second;
+/// Splits what lost links held together, and joins what was held apart only for its size.
+void split_along(Relabeller& relabeller, ClusteringState& state, const ViewGraph& graph,
+                 const std::vector<ImagePair>& lost) {
+    std::map<ClusterId, std::vector<ImageId>> lost_ends;
+    for (const ImagePair& link : lost) {
+        const ClusterId label = state.cluster_of[index_of(link.first)];
+        if (state.cluster_of[index_of(link.second)] != label) continue;
+        lost_ends[label].push_back(link.first);
+        lost_ends[label].push_back(link.second);
+    }
+    std::vector<ImagePair> held;
+    for (const auto& [label, ends] : lost_ends) {
+        std::vector<ClusterId> smaller;
+        for (const std::vector<ImageId>& part : find_split_parts(state, ends))
+            smaller.push_back(relabeller.split_off(part));
+        if (smaller.empty()) continue;
+        smaller.push_back(label);
+        for (const ClusterId part : smaller) {
+            const auto links = links_out_of(state, relabeller.images_of(part));
+            held.insert(held.end(), links.begin(), links.end());
         }
-        if (auto node = joined_.extract(from); !node.empty()) {
-            gained.insert(gained.end(), node.mapped().begin(), node.mapped().end());
-        }
-        for (const ImageId image : gained) relabel(image, into);
-        std::vector<ImageId>& all = joined_[into];
-        all.insert(all.end(), gained.begin(), gained.end());
     }
-
-    /// REQUIRES: all joins done.
-    void split_off(const std::vector<ImageId>& part) {
-        const ClusterId label = fresh_label();
-        for (const ImageId image : part) relabel(image, label);
-    }
-
-    const Relabelling& relabelling() const { return relabelling_; }
-
-  private:
-    ClusterId fresh_label() {
-        return std::exchange(next_label_, static_cast<ClusterId>(index_of(next_label_) + 1));
-    }
-
-    std::ptrdiff_t size_of(ClusterId label) const {
-        const auto own = state_.members.find(label);
-        const auto more = joined_.find(label);
-        return static_cast<std::ptrdiff_t>((own == state_.members.end() ? 0 : own->second.size()) +
-                                           (more == joined_.end() ? 0 : more->second.size()));
-    }
-
-    void relabel(ImageId image, ClusterId label) {
-        ClusterId& current = state_.cluster_of[index_of(image)];
-        if (index_of(image) < former_size_) relabelling_.former.try_emplace(image, current);
-        current = label;
-    }
-
-    ClusteringState& state_;
-    std::size_t former_size_;
-    ClusterId next_label_;
-    std::map<ClusterId, std::vector<ImageId>>
-        joined_;  ///< images of a group beyond its label's own
-    Relabelling relabelling_;
-};
+    join_along(relabeller, graph, std::move(held));
+}
 
 }  // namespace
 
@@ -106,20 +87,19 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
 
     // Joins first: a new image often takes links away whose ends it connects itself, and then the
     // search for parts ends at once.
-    Relabeller relabeller(state, graph.size());
-    for (const ImagePair& link : changes.added) relabeller.join(link.first, link.second);
-    std::map<ClusterId, std::vector<ImageId>> lost_ends;
-    for (const ImagePair& link : changes.removed) {
-        std::vector<ImageId>& ends = lost_ends[state.cluster_of[index_of(link.first)]];
-        ends.push_back(link.first);
-        ends.push_back(link.second);
+    Relabeller relabeller(state, graph.size(), options);
+    join_along(relabeller, graph, changes.added);
+    split_along(relabeller, state, graph, changes.removed);
+    return apply_relabelling(state, relabeller.take());
+}
+
+ClusteringEdit join_held_clusters(ClusteringState& state) {
+    Relabeller relabeller(state, state.size(), ClusteringOptions{.join_up_to = 0});
+    for (std::size_t image = 0; image < state.size(); ++image) {
+        for (const ImageId other : state.links[image])
+            relabeller.join(static_cast<ImageId>(image), other);
     }
-    for (const auto& [label, ends] : lost_ends) {
-        for (const std::vector<ImageId>& part : find_split_parts(state, ends)) {
-            relabeller.split_off(part);
-        }
-    }
-    return apply_relabelling(state, relabeller.relabelling());
+    return apply_relabelling(state, relabeller.take());
 }
 
 }  // namespace psfm

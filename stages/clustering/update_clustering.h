@@ -13,16 +13,18 @@
 namespace psfm {
 
 /// Brings the clusters up to date after the view graph changed (paper sec. "Incremental
-/// Clustering"): single linkage over the edges with d_ij < eta, so that the clusters equal
-/// batch_clusters(graph) after every call, in every order of arrival. A cluster's id follows the
-/// rules of ClusteringEdit; "largest" of several joining clusters means the one with most members
-/// in the joint cluster.
+/// Clustering"): single linkage over the edges with d_ij < eta. Where none is too large to join
+/// (may_join), the clusters equal batch_clusters(graph) after every call, in every order of
+/// arrival; of several links it is the edges of most weight that join first. A cluster's id follows
+/// the rules of ClusteringEdit; "largest" of several joining clusters means the one with most
+/// members in the joint cluster.
 ///
 /// Only edges with an endpoint in `touched` get a new distance; joins relabel the smaller side; a
 /// lost link starts a search from its endpoints that ends as soon as they meet or all but one side
 /// is exhausted. Clusters that are not met cost nothing; those that change cost a copy of their
-/// member list, as the edit holds it. Differs from the paper, which clusters every cluster anew
-/// that has an edge to the new image.
+/// member list, as the edit holds it; of those that fall apart, the links are looked through for
+/// some that were held. Differs from the paper, which clusters every cluster anew that has an edge
+/// to the new image.
 ///
 /// @param state state of the former graph; empty at the start. Images that it does not know are
 /// new.
@@ -33,5 +35,9 @@ namespace psfm {
 ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
                                  std::span<const ImageId> touched,
                                  const ClusteringOptions& options);
+
+/// Joins the clusters that were held apart for their size: they equal batch_clusters(graph) then.
+/// Cost: O(links). REQUIRES: a state that is up to date. Deterministic.
+ClusteringEdit join_held_clusters(ClusteringState& state);
 
 }  // namespace psfm

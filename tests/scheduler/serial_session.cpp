@@ -52,10 +52,12 @@ std::unique_ptr<SessionStore> open_store(const testing::TemporaryFolder& folder)
 }
 
 SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
-                             const std::vector<VerifiedPairPtr>& pairs, bool deterministic)
+                             const std::vector<VerifiedPairPtr>& pairs, bool deterministic,
+                             const ClusteringOptions& clustering)
     : scene_(&scene), pairs_(&pairs) {
     const SessionConfig config = config_of(scene, deterministic);
     options_ = *stage_options(config);
+    options_.clustering = clustering;
     auto restored = restore_session(store, config, options_);
     EXPECT_TRUE(restored.ok());
     std::vector<CommitInput> messages{CatchUp{}};

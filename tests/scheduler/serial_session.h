@@ -25,7 +25,8 @@ class SerialSession {
     /// @param pairs  all of them; an image brings those with earlier ones
     /// REQUIRES: scene and pairs outlive the session
     SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
-                  const std::vector<VerifiedPairPtr>& pairs, bool deterministic = true);
+                  const std::vector<VerifiedPairPtr>& pairs, bool deterministic = true,
+                  const ClusteringOptions& clustering = {});
 
     static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
     /// Takes the next image through all stages; or handles so many messages of it only, like a
