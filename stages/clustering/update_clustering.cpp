@@ -19,7 +19,8 @@ namespace {
 
 /// Joins along links, those of most weight first: an image between clusters that may not join
 /// belongs to the one that it has most in common with.
-void join_along(Relabeller& relabeller, const ViewGraph& graph, std::vector<ImagePair> links) {
+void join_along(Relabeller& relabeller, const ViewGraph& graph,
+                const std::vector<ImagePair>& links) {
     std::vector<std::pair<double, ImagePair>> weighted;
     weighted.reserve(links.size());
     for (const ImagePair& link : links)
@@ -63,7 +64,7 @@ void split_along(Relabeller& relabeller, ClusteringState& state, const ViewGraph
             held.insert(held.end(), links.begin(), links.end());
         }
     }
-    join_along(relabeller, graph, std::move(held));
+    join_along(relabeller, graph, held);
 }
 
 }  // namespace

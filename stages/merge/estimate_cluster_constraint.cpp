@@ -103,10 +103,9 @@ void locate(ClusterConstraint& constraint, std::span<const EdgeCorrespondences> 
     const Sim3 a_from_b = inverse(constraint.b_from_a);
     std::vector<Eigen::Vector3d> inliers;
     for (const EdgeCorrespondences& edge : edges) {
+        const CorrespondenceError error(edge, constraint.b_from_a, a_from_b);
         for (const PointCorrespondence& point : edge.points) {
-            if (correspondence_error(edge, point, constraint.b_from_a, a_from_b) <= max_error) {
-                inliers.push_back(point.in_a);
-            }
+            if (error(point) <= max_error) inliers.push_back(point.in_a);
         }
     }
     for (const Eigen::Vector3d& point : inliers) constraint.anchor_in_a += point;

@@ -41,8 +41,8 @@ struct ClusterConstraintOptions {
     /// beside the one facade that two streets have are matched.
     double max_unmatched_part = 0.2;
     /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
-    /// slower, linear. Ours: a hundred edges fix seven numbers many times over.
-    std::uint32_t max_edges_per_pair = 100;
+    /// slower, linear. Ours: fifty edges fix seven numbers many times over.
+    std::uint32_t max_edges_per_pair = 50;
     /// Chance of having drawn at least one sample without outliers [0, 1). Raised: slower.
     double confidence = 0.9999;
     /// Samples at most, whatever the confidence asks. Lowered: similarities are missed among many

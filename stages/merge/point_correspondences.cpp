@@ -98,10 +98,15 @@ EdgeCorrespondences collect_correspondences(const VerifiedPair& edge, const Clus
     return result;
 }
 
-double correspondence_error(const EdgeCorrespondences& edge, const PointCorrespondence& point,
-                            const Sim3& b_from_a, const Sim3& a_from_b) {
-    return std::max(edge.view_a.distance(point.in_a, a_from_b * point.in_b),
-                    edge.view_b.distance(point.in_b, b_from_a * point.in_a));
-}
+CorrespondenceError::SharedView::SharedView(const EdgeView& view, const Sim3& own_from_other)
+    : from_own(view.cam_from_cluster.rotation.toRotationMatrix()),
+      from_other(own_from_other.scale * from_own * own_from_other.rotation.toRotationMatrix()),
+      own_origin(view.cam_from_cluster.translation),
+      other_origin(from_own * own_from_other.translation + own_origin),
+      focal(view.focal) {}
+
+CorrespondenceError::CorrespondenceError(const EdgeCorrespondences& edge, const Sim3& b_from_a,
+                                         const Sim3& a_from_b)
+    : in_a_(edge.view_a, a_from_b), in_b_(edge.view_b, b_from_a) {}
 
 }  // namespace psfm

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "graph/rigid3.h"
@@ -45,9 +47,36 @@ struct EdgeCorrespondences {
 EdgeCorrespondences collect_correspondences(const VerifiedPair& edge, const ClusterIndex& a,
                                             const ClusterIndex& b);
 
-/// Disagreement of a correspondence with a similarity: the larger distance of the two projections,
-/// a's point in b's image and b's point in a's [longer image sides].
-double correspondence_error(const EdgeCorrespondences& edge, const PointCorrespondence& point,
-                            const Sim3& b_from_a, const Sim3& a_from_b);
+/// Disagreement of an edge's correspondences with a similarity: the larger distance of the two
+/// projections, a's point in b's image and b's point in a's [longer image sides]; infinity unless
+/// both are in front. The edge outlives it.
+class CorrespondenceError {
+  public:
+    /// @param a_from_b  the inverse of b_from_a
+    CorrespondenceError(const EdgeCorrespondences& edge, const Sim3& b_from_a,
+                        const Sim3& a_from_b);
+
+    double operator()(const PointCorrespondence& point) const {
+        return std::max(in_a_.distance(point.in_a, point.in_b),
+                        in_b_.distance(point.in_b, point.in_a));
+    }
+
+  private:
+    /// A view that both models' points are projected into; matrices, since points are many.
+    struct SharedView {
+        Eigen::Matrix3d from_own, from_other;
+        Eigen::Vector3d own_origin, other_origin;  ///< seen from the camera
+        double focal;
+
+        SharedView(const EdgeView& view, const Sim3& own_from_other);
+        double distance(const Eigen::Vector3d& own, const Eigen::Vector3d& other) const {
+            const Eigen::Vector3d p = from_own * own + own_origin;
+            const Eigen::Vector3d q = from_other * other + other_origin;
+            if (!(p.z() > 0.0 && q.z() > 0.0)) return std::numeric_limits<double>::infinity();
+            return focal * (p.head<2>() / p.z() - q.head<2>() / q.z()).norm();
+        }
+    };
+    SharedView in_a_, in_b_;
+};
 
 }  // namespace psfm

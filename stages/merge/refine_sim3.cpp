@@ -65,8 +65,9 @@ std::vector<EdgeTerms> agreeing_with(std::span<const EdgeCorrespondences> edges,
     std::vector<EdgeTerms> result;
     for (const EdgeCorrespondences& edge : edges) {
         EdgeTerms own{FastView(edge.view_a), FastView(edge.view_b), {}};
+        const CorrespondenceError error(edge, b_from_a, a_from_b);
         for (const PointCorrespondence& point : edge.points) {
-            if (correspondence_error(edge, point, b_from_a, a_from_b) > max_error) continue;
+            if (error(point) > max_error) continue;
             own.terms.push_back({point.in_a, point.in_b,
                                  own.a.projected(own.a.in_camera(point.in_a)),
                                  own.b.projected(own.b.in_camera(point.in_b))});

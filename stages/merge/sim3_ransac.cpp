@@ -31,8 +31,9 @@ std::optional<Sim3> fit_inliers(std::span<const EdgeCorrespondences> edges, cons
     std::vector<Eigen::Vector3d> in_b;
     std::vector<double> weights;
     for (const EdgeCorrespondences& edge : edges) {
+        const CorrespondenceError error(edge, b_from_a, a_from_b);
         for (const PointCorrespondence& point : edge.points) {
-            if (correspondence_error(edge, point, b_from_a, a_from_b) > max_error) continue;
+            if (error(point) > max_error) continue;
             in_a.push_back(point.in_a);
             in_b.push_back(point.in_b);
             weights.push_back(image_weight(edge, point));
@@ -49,8 +50,9 @@ class Search {
 
     /// @return whether this is the best so far
     bool consider(const Sim3& b_from_a) {
-        const Sim3Support support = support_of(edges_, b_from_a, max_error_);
-        if (best_ && support.cost >= best_->support.cost) return false;
+        const double bound = best_ ? best_->support.cost : std::numeric_limits<double>::infinity();
+        const Sim3Support support = support_of(edges_, b_from_a, max_error_, bound);
+        if (best_ && support.cost >= bound) return false;
         best_ = RobustSim3{b_from_a, support};
         return true;
     }
@@ -81,15 +83,17 @@ double needed_samples(double inlier_ratio, double confidence) {
 }  // namespace
 
 Sim3Support support_of(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_a,
-                       double max_error) {
+                       double max_error, double enough) {
     const Sim3 a_from_b = inverse(b_from_a);
     Sim3Support support;
     for (const EdgeCorrespondences& edge : edges) {
+        const CorrespondenceError error(edge, b_from_a, a_from_b);
         for (const PointCorrespondence& point : edge.points) {
-            const double error = correspondence_error(edge, point, b_from_a, a_from_b) / max_error;
-            if (error <= 1.0) ++support.inliers;
-            support.cost += std::min(error * error, 1.0);
+            const double relative = error(point) / max_error;
+            if (relative <= 1.0) ++support.inliers;
+            support.cost += std::min(relative * relative, 1.0);
         }
+        if (support.cost >= enough) break;
     }
     return support;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct Sim3Support {
     std::uint32_t inliers = 0;
     double cost = 0.0;
 };
+/// @param enough  not counted any further once the cost is as high: then the fit is no better
 Sim3Support support_of(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_a,
-                       double max_error);
+                       double max_error, double enough = std::numeric_limits<double>::infinity());
 
 struct RobustSim3 {
     Sim3 b_from_a;
