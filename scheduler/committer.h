@@ -86,7 +86,8 @@ class Committer {
     /// @param others  clusters whose records changed as well
     /// @errors those of the store
     Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
-    /// Takes over what changed in the clustering, because of these edges.
+    /// Takes over what changed in the clustering, because of these edges. @errors those of the
+    /// store
     Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
                              const std::set<ClusterId>& others);
     /// Joins what was held apart for its size (join_held_clusters). @return whether there was

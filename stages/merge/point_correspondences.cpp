@@ -61,10 +61,7 @@ bool in_front(const EdgeView& view, const Eigen::Vector3d& point) {
 }  // namespace
 
 double EdgeView::distance(const Eigen::Vector3d& own, const Eigen::Vector3d& other) const {
-    const Eigen::Vector3d p = cam_from_cluster * own;
-    const Eigen::Vector3d q = cam_from_cluster * other;
-    if (!(p.z() > 0.0 && q.z() > 0.0)) return std::numeric_limits<double>::infinity();
-    return focal * (p.head<2>() / p.z() - q.head<2>() / q.z()).norm();
+    return projected_distance(cam_from_cluster * own, cam_from_cluster * other, focal);
 }
 
 EdgeCorrespondences collect_correspondences(const VerifiedPair& edge, const ClusterIndex& a,

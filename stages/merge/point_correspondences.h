@@ -21,13 +21,20 @@ struct PointCorrespondence {
     Eigen::Vector3d in_b = Eigen::Vector3d::Zero();  ///< frame of cluster b
 };
 
+/// Distance of two points' projections [longer image sides]; infinity unless both are in front.
+/// @param p, q  seen from the camera  @param focal  [longer image sides]
+inline double projected_distance(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double focal) {
+    if (!(p.z() > 0.0 && q.z() > 0.0)) return std::numeric_limits<double>::infinity();
+    return focal * (p.head<2>() / p.z() - q.head<2>() / q.z()).norm();
+}
+
 /// An image as merging needs it: distortion matters little to distances between projections and is
 /// left out.
 struct EdgeView {
     Rigid3 cam_from_cluster;
     double focal = 1.0;  ///< [longer image sides]
 
-    /// Distance of two points' projections [longer image sides]; infinity unless both are in front.
+    /// Of two points of the cluster, see projected_distance.
     double distance(const Eigen::Vector3d& own, const Eigen::Vector3d& other) const;
 };
 
@@ -70,10 +77,8 @@ class CorrespondenceError {
 
         SharedView(const EdgeView& view, const Sim3& own_from_other);
         double distance(const Eigen::Vector3d& own, const Eigen::Vector3d& other) const {
-            const Eigen::Vector3d p = from_own * own + own_origin;
-            const Eigen::Vector3d q = from_other * other + other_origin;
-            if (!(p.z() > 0.0 && q.z() > 0.0)) return std::numeric_limits<double>::infinity();
-            return focal * (p.head<2>() / p.z() - q.head<2>() / q.z()).norm();
+            return projected_distance(from_own * own + own_origin,
+                                      from_other * other + other_origin, focal);
         }
     };
     SharedView in_a_, in_b_;

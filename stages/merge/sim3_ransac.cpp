@@ -52,7 +52,7 @@ class Search {
     bool consider(const Sim3& b_from_a) {
         const double bound = best_ ? best_->support.cost : std::numeric_limits<double>::infinity();
         const Sim3Support support = support_of(edges_, b_from_a, max_error_, bound);
-        if (best_ && support.cost >= bound) return false;
+        if (support.cost >= bound) return false;
         best_ = RobustSim3{b_from_a, support};
         return true;
     }

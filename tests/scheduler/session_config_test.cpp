@@ -41,6 +41,7 @@ TEST(StageOptions, PaperPresetSetsThePapersFormula) {
     EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kMutual);
     config.preset = "paper";
     EXPECT_EQ(stage_options(config)->clustering.form, JaccardForm::kLiteral);
+    EXPECT_EQ(stage_options(config)->clustering.join_up_to, 0U) << "nothing is held apart";
     EXPECT_EQ(stage_options(config)->solve.max_reset_images, 0.0) << "whole clusters only";
     EXPECT_GT(stage_options(config)->solve.rejoin_from_images, 1000000U) << "no parts of them";
     EXPECT_FALSE(stage_options(config)->solve.plausibility) << "inliers alone";

@@ -10,6 +10,7 @@
 namespace psfm {
 namespace {
 
+using test::connect;
 using test::WeightTable;
 
 std::vector<ImageId> images(std::initializer_list<std::uint32_t> numbers) {
@@ -20,13 +21,6 @@ std::vector<ImageId> images(std::initializer_list<std::uint32_t> numbers) {
 
 ClusterId cluster(std::uint32_t number) {
     return static_cast<ClusterId>(number);
-}
-
-/// Images i … j (inclusive) matched all with all.
-void connect(WeightTable& table, std::size_t i, std::size_t j, double weight) {
-    for (std::size_t a = i; a <= j; ++a) {
-        for (std::size_t b = a + 1; b <= j; ++b) table.set(a, b, weight);
-    }
 }
 
 std::vector<ImageId> all_of(const WeightTable& table) {

@@ -145,15 +145,7 @@ TEST(ClusteringOrder, DroppedAndReweightedEdgesEqualBatch) {
         ClusteringState state;
         update_clustering(state, test::graph_of(table), {}, options);
         for (int change = 0; change < 12; ++change) {
-            std::vector<ImageId> touched;
-            for (std::size_t edges = 1 + rng.below(4); edges > 0; --edges) {
-                const std::size_t i = rng.below(table.size);
-                const std::size_t j = rng.below(table.size);
-                if (i == j) continue;
-                table.set(i, j, rng.below(2) == 0 ? 0.0 : std::ceil(rng.uniform(0.0, 9.0)));
-                touched.push_back(static_cast<ImageId>(i));
-                touched.push_back(static_cast<ImageId>(j));
-            }
+            const std::vector<ImageId> touched = test::change_some_edges(table, rng);
             const auto before = state.members;
             const ViewGraph graph = test::graph_of(table);
             const ClusteringEdit edit = update_clustering(state, graph, touched, options);

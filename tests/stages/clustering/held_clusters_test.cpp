@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -16,6 +17,7 @@
 namespace psfm {
 namespace {
 
+using test::connect;
 using test::WeightTable;
 
 ClusteringOptions options_with(std::uint32_t join_up_to, std::uint32_t hold_from) {
@@ -28,13 +30,6 @@ std::vector<ImageId> images(std::uint32_t first, std::uint32_t last) {
     return ids;
 }
 
-/// Images first … last matched all with all.
-void connect(WeightTable& table, std::size_t first, std::size_t last, double weight) {
-    for (std::size_t a = first; a <= last; ++a) {
-        for (std::size_t b = a + 1; b <= last; ++b) table.set(a, b, weight);
-    }
-}
-
 /// Two groups of six, whose last three match those of the other.
 WeightTable two_groups() {
     WeightTable table(12);
@@ -44,6 +39,17 @@ WeightTable two_groups() {
         for (std::size_t b = 9; b <= 11; ++b) table.set(a, b, 30.0);
     }
     return table;
+}
+
+/// Images arrive one by one, in the order of the table.
+ClusteringState grown_in_order(const WeightTable& table, const ClusteringOptions& options) {
+    std::vector<std::size_t> order(table.size);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    ViewGraph graph;
+    ClusteringState state;
+    while (graph.size() < table.size)
+        update_clustering(state, graph, test::add_next(graph, table, order), options);
+    return state;
 }
 
 /// Images that links join without leaving the cluster.
@@ -132,15 +138,7 @@ TEST(HeldClusters, KeepTheirPromisesWhenEdgesGoAndCome) {
         ClusteringState state;
         update_clustering(state, test::graph_of(table), {}, options);
         for (int change = 0; change < 12; ++change) {
-            std::vector<ImageId> touched;
-            for (std::size_t edges = 1 + rng.below(4); edges > 0; --edges) {
-                const std::size_t i = rng.below(table.size);
-                const std::size_t j = rng.below(table.size);
-                if (i == j) continue;
-                table.set(i, j, rng.below(2) == 0 ? 0.0 : std::ceil(rng.uniform(0.0, 9.0)));
-                touched.push_back(static_cast<ImageId>(i));
-                touched.push_back(static_cast<ImageId>(j));
-            }
+            const std::vector<ImageId> touched = test::change_some_edges(table, rng);
             if (rng.below(6) == 0) join_held_clusters(state);
             const auto before = state.members;
             const ViewGraph graph = test::graph_of(table);
@@ -155,11 +153,7 @@ TEST(HeldClusters, JoinOnlyWhenAsked) {
     const WeightTable table = two_groups();
     const ViewGraph graph = test::graph_of(table);
     const ClusteringOptions options = options_with(9, 3);
-    ViewGraph growing;
-    ClusteringState state;
-    const std::vector<std::size_t> order{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-    for (int k = 0; k < 12; ++k)
-        update_clustering(state, growing, test::add_next(growing, table, order), options);
+    ClusteringState state = grown_in_order(table, options);
     EXPECT_EQ(state.members.size(), 2U);
     const ClusteringEdit edit = join_held_clusters(state);
     ASSERT_EQ(edit.changed.size(), 1U);
@@ -181,12 +175,8 @@ TEST(HeldClusters, AnImageBetweenTwoGoesWithTheOneThatItSharesMostWith) {
         connect(table, 0, 5, 50.0);
         connect(table, 6, 11, 50.0);
         for (std::size_t i = 0; i < 12; ++i) table.set(i, 12, (i >= 6) == second ? 40.0 : 30.0);
-        const std::vector<std::size_t> order{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
-        const ClusteringOptions options{.eta = 0.8, .join_up_to = 8, .hold_from = 2};
-        ViewGraph graph;
-        ClusteringState state;
-        for (int k = 0; k < 13; ++k)
-            update_clustering(state, graph, test::add_next(graph, table, order), options);
+        const ClusteringState state =
+            grown_in_order(table, {.eta = 0.8, .join_up_to = 8, .hold_from = 2});
         ASSERT_EQ(state.members.size(), 2U);
         EXPECT_EQ(state.cluster_of[12], state.cluster_of[second ? 6 : 0]);
         EXPECT_NE(state.cluster_of[0], state.cluster_of[6]);
@@ -196,11 +186,7 @@ TEST(HeldClusters, AnImageBetweenTwoGoesWithTheOneThatItSharesMostWith) {
 TEST(HeldClusters, JoinOnceOneOfThemHasBecomeSmall) {
     WeightTable table = two_groups();
     const ClusteringOptions options = options_with(9, 3);
-    ViewGraph growing;
-    ClusteringState state;
-    const std::vector<std::size_t> order{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-    for (int k = 0; k < 12; ++k)
-        update_clustering(state, growing, test::add_next(growing, table, order), options);
+    ClusteringState state = grown_in_order(table, options);
     ASSERT_EQ(state.members.size(), 2U);
     // Of the first group three images lose the others: the three beside the second one join it.
     for (std::size_t a = 0; a <= 2; ++a) {

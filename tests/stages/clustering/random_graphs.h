@@ -49,6 +49,27 @@ inline WeightTable random_weights(synthetic::Rng& rng) {
     return table;
 }
 
+/// Images first … last matched all with all.
+inline void connect(WeightTable& table, std::size_t first, std::size_t last, double weight) {
+    for (std::size_t a = first; a <= last; ++a) {
+        for (std::size_t b = a + 1; b <= last; ++b) table.set(a, b, weight);
+    }
+}
+
+/// Adds, drops or reweights one to four edges, to whole weights. @return the touched images
+inline std::vector<ImageId> change_some_edges(WeightTable& table, synthetic::Rng& rng) {
+    std::vector<ImageId> touched;
+    for (std::size_t edges = 1 + rng.below(4); edges > 0; --edges) {
+        const std::size_t i = rng.below(table.size);
+        const std::size_t j = rng.below(table.size);
+        if (i == j) continue;
+        table.set(i, j, rng.below(2) == 0 ? 0.0 : std::ceil(rng.uniform(0.0, 9.0)));
+        touched.push_back(static_cast<ImageId>(i));
+        touched.push_back(static_cast<ImageId>(j));
+    }
+    return touched;
+}
+
 inline ViewGraph graph_of(const WeightTable& table) {
     ViewGraph graph;
     for (std::size_t i = 0; i < table.size; ++i) graph.add_node();
