@@ -72,6 +72,7 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     state_.constraints = merged.constraints;
     state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
                               merged.set_aside.end());
+    state_.parts = merged.parts;
     state_.scene = scene;
     PublishMessage publish;
     publish.scene = scene;

@@ -102,6 +102,7 @@ std::shared_ptr<MergeProblem> make_merge_problem(const SessionState& state) {
         problem->pairs.push_back({clusters.first, clusters.second, std::move(edges)});
     }
     problem->known = state.constraints;
+    problem->known_parts = state.parts;
     problem->previous = state.scene;
     problem->evidence = evidence_of(state.images);
     return problem;

@@ -10,8 +10,16 @@
 
 #include "graph/ids.h"
 #include "graph/sim3.h"
+#include "graph/two_view_geometry.h"
 
 namespace psfm {
+
+/// The view graph's edges between two clusters.
+struct ClusterPairEdges {
+    ClusterId a{};  ///< a < b
+    ClusterId b{};
+    std::vector<VerifiedPairPtr> edges;  ///< one image in each cluster; none null
+};
 
 /// What became of a pair of clusters (not persistent).
 enum class ConstraintVerdict : std::uint8_t {

@@ -17,8 +17,6 @@
 #include <utility>
 
 #include "stages/merge/cluster_index.h"
-#include "stages/merge/cluster_pose_graph.h"
-#include "stages/merge/contract_signed_graph.h"
 #include "stages/merge/estimate_cluster_constraint.h"
 #include "stages/merge/find_contradictions.h"
 #include "stages/merge/place_components.h"
@@ -150,134 +148,51 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
     }
 }
 
-/// The pose graph of the clusters with a model, and what it is made from.
-struct ClusterGraph {
-    std::vector<const MergeCluster*> clusters;  ///< ascending by id
-    std::vector<std::size_t> sizes;
-    std::vector<std::shared_ptr<const std::vector<double>>> depths;  ///< mean_depths() of each
-    std::vector<PoseGraphEdge> edges;
-    std::vector<ClusterConstraint*> constraints;  ///< by edge
-};
-
-ClusterGraph graph_of(const MergeProblem& problem, std::vector<PairTask>& tasks) {
-    ClusterGraph graph;
+/// The clusters with a model, and what ties them.
+ClusterNetwork network_of(const MergeProblem& problem, const std::vector<PairTask>& tasks) {
+    ClusterNetwork network;
     std::map<ClusterId, std::uint32_t> number;
     for (const MergeCluster& cluster : problem.clusters) {
         if (!has_model(cluster)) continue;
-        number[cluster.id] = static_cast<std::uint32_t>(graph.clusters.size());
-        graph.clusters.push_back(&cluster);
-        graph.sizes.push_back(cluster.model->images.size());
-        graph.depths.push_back(cluster.depths);
+        number[cluster.id] = static_cast<std::uint32_t>(network.clusters.size());
+        network.clusters.push_back(&cluster);
+        network.depths.push_back(cluster.depths);
     }
-    for (PairTask& task : tasks) {
-        ClusterConstraint& constraint = task.constraint;
-        constraint.used = false;
-        if (!constraint.accepted()) continue;
-        graph.edges.push_back({number.at(constraint.a), number.at(constraint.b),
-                               constraint.b_from_a, constraint.anchor_in_a, constraint.extent_in_a,
-                               static_cast<double>(constraint.inliers)});
-        graph.constraints.push_back(&constraint);
+    for (const PairTask& task : tasks) {
+        network.links.push_back({number.at(task.constraint.a), number.at(task.constraint.b),
+                                 task.edges, &task.constraint});
     }
-    return graph;
+    // Isolated: a version is not to wait for a solve that this thread takes up in between.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(std::size_t{0}, network.depths.size(), [&](std::size_t c) {
+            if (network.depths[c]) return;
+            network.depths[c] = std::make_shared<const std::vector<double>>(
+                mean_depths(*network.clusters[c]->model));
+        });
+    });
+    return network;
 }
 
-std::vector<ImagePair> image_pairs(const MergeProblem& problem) {
-    std::vector<ImagePair> pairs;
-    for (const ClusterPairEdges& between : problem.pairs) {
-        for (const VerifiedPairPtr& edge : between.edges) pairs.push_back(edge->pair);
-    }
-    std::ranges::sort(pairs);
-    return pairs;
-}
-
-/// Clusters that contradict each other where the constraints put them.
-std::vector<SignedEdge> contradictions_of(const ClusterGraph& graph, const ClusterPoses& poses,
-                                          std::span<const ImagePair> pairs,
-                                          const ClusterConstraintOptions& options) {
-    /// No constraint outweighs a contradiction.
-    constexpr double kNever = -1e12;
-    std::vector<SignedEdge> contradictions;
-    for (std::uint32_t component = 0; component < poses.component_count; ++component) {
-        std::vector<std::uint32_t> numbers;
-        std::vector<PlacedModel> models;
-        for (std::uint32_t c = 0; c < graph.clusters.size(); ++c) {
-            if (poses.component[c] != component) continue;
-            numbers.push_back(c);
-            models.push_back({graph.clusters[c]->model.get(), *graph.depths[c],
-                              poses.component_from_cluster[c]});
-        }
-        for (const auto& [a, b] : find_contradictions(models, pairs, options))
-            contradictions.push_back({numbers[a], numbers[b], kNever});
-    }
-    return contradictions;
-}
-
-/// Leaves out the constraints between groups of clusters that contradict each other (ours):
-/// clusters are put together by the constraints with most inliers first, as long as none
-/// contradicts another.
-void keep_consistent(ClusterGraph& graph, std::span<const SignedEdge> contradictions) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, double> weights;
-    for (const PoseGraphEdge& edge : graph.edges)
-        weights[std::minmax(edge.a, edge.b)] += edge.weight;
-    for (const SignedEdge& edge : contradictions) weights[{edge.first, edge.second}] = edge.weight;
-    std::vector<SignedEdge> edges;
-    edges.reserve(weights.size());
-    for (const auto& [ends, weight] : weights) edges.push_back({ends.first, ends.second, weight});
-    const std::vector<std::uint32_t> group = contract_signed_graph(graph.clusters.size(), edges);
-    std::size_t kept = 0;
-    for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-        if (group[graph.edges[e].a] != group[graph.edges[e].b]) continue;
-        graph.edges[kept] = graph.edges[e];
-        graph.constraints[kept++] = graph.constraints[e];
-    }
-    graph.edges.resize(kept);
-    graph.constraints.resize(kept);
-}
-
-Result<ClusterPoses> consistent_poses(ClusterGraph& graph, std::span<const ImagePair> pairs,
-                                      const MergeOptions& options) {
-    /// Each time that it says so, a constraint at least is left out.
-    const auto leave_out = [&](const ClusterPoses& poses) {
-        const auto contradictions = contradictions_of(graph, poses, pairs, options.constraint);
-        const std::size_t before = graph.edges.size();
-        if (!contradictions.empty()) keep_consistent(graph, contradictions);
-        return graph.edges.size() < before;
-    };
-    // Most folds are seen without solving anything: one wrong constraint of the tree is enough.
-    while (leave_out(poses_along_tree(graph.edges, graph.sizes))) {
-    }
-    while (true) {
-        auto poses = solve_cluster_poses(graph.edges, graph.sizes, options.pose_graph);
-        if (!poses || !leave_out(*poses)) return poses;
-    }
-}
-
-/// The components; of the result, the depths.
+/// The components; of the result, depths and parts; which of the constraints are used.
 Result<std::vector<Component>> solve_components(const MergeProblem& problem,
                                                 std::vector<PairTask>& tasks,
                                                 const MergeOptions& options, MergeResult& result) {
-    ClusterGraph graph = graph_of(problem, tasks);
-    // Isolated: a version is not to wait for a solve that this thread takes up in between.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, graph.depths.size(), [&](std::size_t c) {
-            if (graph.depths[c]) return;
-            graph.depths[c] =
-                std::make_shared<const std::vector<double>>(mean_depths(*graph.clusters[c]->model));
-        });
-    });
-    for (std::size_t c = 0; c < graph.clusters.size(); ++c)
-        result.depths.emplace_back(graph.clusters[c]->id, graph.depths[c]);
-    const auto poses = consistent_poses(graph, image_pairs(problem), options);
-    if (!poses) return poses.error();
-    for (std::size_t e = 0; e < graph.edges.size(); ++e)
-        graph.constraints[e]->used = poses->used[e];
-    std::vector<Component> components(poses->component_count);
-    for (std::size_t c = 0; c < graph.clusters.size(); ++c) {
-        Component& component = components[poses->component[c]];
-        component.clusters.push_back(graph.clusters[c]);
-        component.component_from_cluster.push_back(poses->component_from_cluster[c]);
-        component.placed += graph.sizes[c];
+    const ClusterNetwork network = network_of(problem, tasks);
+    for (std::size_t c = 0; c < network.clusters.size(); ++c)
+        result.depths.emplace_back(network.clusters[c]->id, network.depths[c]);
+    auto solved = consistent_poses(network, problem.known_parts, options);
+    if (!solved) return solved.error();
+    const ClusterPoses& poses = solved->poses;
+    for (std::size_t t = 0; t < tasks.size(); ++t) tasks[t].constraint.used = poses.used[t];
+    std::vector<Component> components(poses.component_count);
+    for (std::size_t c = 0; c < network.clusters.size(); ++c) {
+        Component& component = components[poses.component[c]];
+        component.clusters.push_back(network.clusters[c]);
+        component.component_from_cluster.push_back(poses.component_from_cluster[c]);
+        component.placed += network.clusters[c]->model->images.size();
     }
+    result.parts = std::move(solved->parts);
+    result.parts_solved = solved->parts_solved;
     std::ranges::sort(components, [](const Component& x, const Component& y) {
         return std::tuple(y.placed, x.clusters.front()->id) <
                std::tuple(x.placed, y.clusters.front()->id);

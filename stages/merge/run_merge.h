@@ -15,24 +15,20 @@
 #include "graph/sim3.h"
 #include "graph/two_view_geometry.h"
 #include "stages/merge/cluster_constraint.h"
+#include "stages/merge/consistent_poses.h"
 #include "stages/merge/image_evidence.h"
 #include "stages/merge/merge_options.h"
 #include "stages/merge/place_components.h"
 
 namespace psfm {
 
-/// The view graph's edges between two clusters.
-struct ClusterPairEdges {
-    ClusterId a{};  ///< a < b
-    ClusterId b{};
-    std::vector<VerifiedPairPtr> edges;  ///< one image in each cluster; none null
-};
-
 struct MergeProblem {
     std::vector<MergeCluster> clusters;   ///< ascending by id
     std::vector<ClusterPairEdges> pairs;  ///< ascending by (a, b), each at most once
     /// MergeResult::constraints and MergeResult::set_aside of the version before, in any order.
     std::vector<ClusterConstraint> known;
+    /// MergeResult::parts of the version before.
+    std::vector<SolvedPartPtr> known_parts;
     ScenePtr previous;                    ///< the published version before; null for the first
     std::vector<ImageEvidence> evidence;  ///< of the session, ascending by image; may be empty
 };
@@ -60,8 +56,11 @@ struct MergeResult {
     std::optional<GpsPosition> datum;  ///< see PlacedComponents
     /// mean_depths() of each model, ascending by cluster.
     std::vector<std::pair<ClusterId, std::shared_ptr<const std::vector<double>>>> depths;
-    std::uint32_t reused = 0;   ///< constraints taken from MergeProblem::known
-    std::uint32_t dropped = 0;  ///< accepted constraints that the pose graph contradicts
+    /// Poses that the next merge takes over where nothing that they follow from has changed.
+    std::vector<SolvedPartPtr> parts;
+    std::uint32_t reused = 0;        ///< constraints taken from MergeProblem::known
+    std::uint32_t parts_solved = 0;  ///< those of `parts` that were not in known_parts
+    std::uint32_t dropped = 0;       ///< accepted constraints that the pose graph contradicts
 };
 
 /// Clusters whose points run_merge() looks at: those with a constraint that is not known. The
@@ -75,7 +74,9 @@ std::vector<ClusterId> clusters_to_look_into(const MergeProblem& problem);
 ///
 /// The frame does not jump, and is that of the earth once the photographs' positions tell it:
 /// place_components.h has the rules. Positions and gravity place whole components and join none.
-/// A known constraint is used again when both revisions and the edges are what they were.
+/// A known constraint is used again when both revisions and the edges are what they were, and the
+/// poses of clusters that constraints connect when that is so of all of them: what a version costs
+/// follows from what has changed, but for laying it out in one frame.
 ///
 /// @errors kInvalidArgument (lists not ascending, unknown clusters, null edges, options)
 /// Deterministic: bitwise equal for equal inputs. Thread-safe.
