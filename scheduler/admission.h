@@ -22,6 +22,12 @@ class Admission {
         return true;
     }
 
+    /// Whether somebody who asks now may go on at once.
+    bool has_free() const {
+        const std::lock_guard lock(mutex_);
+        return free_ > 0;
+    }
+
     void release(int tokens) {
         {
             const std::lock_guard lock(mutex_);
@@ -31,7 +37,7 @@ class Admission {
     }
 
   private:
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::condition_variable available_;
     int free_;
 };

@@ -164,7 +164,13 @@ void Committer::release_early(PendingImage& verified) {
     ++images_released_;
 }
 
+Result<void> Committer::on(const SourceIdle& message, CommitOutput& /*output*/) {
+    photos_before_idle_ = message.photos;
+    return {};
+}
+
 Result<void> Committer::on(const EndOfPhotos& message, CommitOutput& /*output*/) {
+    photos_before_idle_ = message.photos;
     photos_expected_ = message.photos;
     return {};
 }
@@ -250,7 +256,13 @@ Result<void> Committer::advance(CommitOutput& output) {
 
 bool Committer::time_for_version(bool quiet) const {
     if (config_.deterministic) return !state_.clusters.busy();
-    return quiet || Clock::now() >= next_version_;
+    return (quiet && !more_to_come()) || Clock::now() >= next_version_;
+}
+
+bool Committer::more_to_come() const {
+    if (image_tokens_ == nullptr || photos_before_idle_ == photos_seen_) return false;
+    // Those that this message gives back are not there yet.
+    return images_released_ > 0 || image_tokens_->has_free();
 }
 
 StoredCluster Committer::stored(const ClusterEntry& entry) const {

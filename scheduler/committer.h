@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "graph/result.h"
+#include "scheduler/admission.h"
 #include "scheduler/messages.h"
 #include "scheduler/session_config.h"
 #include "scheduler/session_state.h"
@@ -53,6 +54,9 @@ class Committer {
     /// threads: some have nothing to do.
     void settle_at_once(std::size_t models) { settles_at_once_ = models; }
 
+    /// The image tokens, which outlive this; without them, whatever is quiet counts as idle.
+    void watch(const Admission& image_tokens) { image_tokens_ = &image_tokens; }
+
   private:
     Result<void> on(const CatchUp& message, CommitOutput& output);
     Result<void> on(const ExtractedMessage& message, CommitOutput& output);
@@ -60,6 +64,7 @@ class Committer {
     Result<void> on(const VerifiedMessage& message, CommitOutput& output);
     Result<void> on(const SolvedMessage& message, CommitOutput& output);
     Result<void> on(const MergedMessage& message, CommitOutput& output);
+    Result<void> on(const SourceIdle& message, CommitOutput& output);
     Result<void> on(const EndOfPhotos& message, CommitOutput& output);
 
     /// A solution becomes its cluster's, and is committed. @return whether what it says of places
@@ -127,6 +132,8 @@ class Committer {
     /// something new, but leave time for other work, each piece of which ends in advance().
     /// @param quiet  there is no such work
     bool time_for_version(bool quiet) const;
+    /// Photographs are waiting, and may come in: so a quiet moment is short.
+    bool more_to_come() const;
     /// Images that have their place in a merged model move to the clusters that will place them.
     /// @return clusters that got one
     std::vector<ClusterId> adopt(const MergedMessage& message);
@@ -141,17 +148,19 @@ class Committer {
     StageOptions options_;
     SessionState state_;
     std::vector<SessionEvent> events_;  // since the last publication
+    const Admission* image_tokens_ = nullptr;
     std::uint32_t photos_released_ = 0;
     std::uint32_t images_released_ = 0;
     std::uint64_t photos_seen_ = 0;
-    std::optional<std::uint64_t> photos_expected_;  // known once no photograph will follow
-    bool merging_ = false;                          // one merge in flight at most
-    Clock::time_point next_version_;                // not before, while there is other work
-    bool changed_ = false;                          // something is to be merged and published
-    bool catching_up_ = false;                      // an image token is held for that
-    bool settle_first_ = false;                     // an earlier process was settling
-    std::deque<ClusterId> to_settle_;               // taken from the table, and not begun yet
-    std::size_t settling_ = 0;                      // begun, and not solved yet
+    std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
+    std::optional<std::uint64_t> photos_expected_;     // known once no photograph will follow
+    bool merging_ = false;                             // one merge in flight at most
+    Clock::time_point next_version_;                   // not before, while there is other work
+    bool changed_ = false;                             // something is to be merged and published
+    bool catching_up_ = false;                         // an image token is held for that
+    bool settle_first_ = false;                        // an earlier process was settling
+    std::deque<ClusterId> to_settle_;                  // taken from the table, and not begun yet
+    std::size_t settling_ = 0;                         // begun, and not solved yet
     std::size_t settles_at_once_ = 8;
     std::size_t solving_ = 0;            // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others

@@ -111,6 +111,11 @@ struct EndOfPhotos {
     std::uint64_t photos = 0;  ///< admitted in all; some of them may still be on their way here
 };
 
+/// No photograph is there at present, though some may come: nothing else will happen by itself.
+struct SourceIdle {
+    std::uint64_t photos = 0;  ///< as in EndOfPhotos
+};
+
 /// An image that was acknowledged by an earlier process and is not verified yet.
 struct ResumedImage {
     AcceptedImagePtr image;
@@ -121,7 +126,7 @@ struct ResumedImage {
 struct CatchUp {};
 
 using CommitInput = std::variant<CatchUp, ExtractedMessage, ResumedImage, VerifiedMessage,
-                                 SolvedMessage, MergedMessage, EndOfPhotos>;
+                                 SolvedMessage, MergedMessage, SourceIdle, EndOfPhotos>;
 
 /// One line of the log: an image, once a published version takes account of it.
 struct ImageReport {

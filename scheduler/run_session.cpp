@@ -65,11 +65,14 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
         graph.put(ResumedImage{image});
     }
     std::uint64_t sequence = 0;
+    std::optional<std::uint64_t> told_idle;  // when so many had been put
     PhotoFile photo;
     while (!stop.load() && !graph.failed()) {
         const PhotoSource::Next next = photos.next(photo);
         if (next == PhotoSource::Next::kEnd) break;
         if (next == PhotoSource::Next::kLater) {
+            if (told_idle != sequence) graph.put(SourceIdle{sequence});
+            told_idle = sequence;
             std::this_thread::sleep_for(kPoll);
             continue;
         }
@@ -131,6 +134,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     Admission image_tokens(config.batch           ? std::numeric_limits<int>::max()
                            : config.deterministic ? 1
                                                   : execution.images_in_flight);
+    committer.watch(image_tokens);
     parts.options = &*options;
     parts.front_end = front_end->get();
     parts.committer = &committer;

@@ -278,6 +278,10 @@ void SessionGraph::put(const CatchUp& first) {
     nodes_->parts.times->arrived(GraphNode::kCommit);
     nodes_->commit.try_put(first);
 }
+void SessionGraph::put(const SourceIdle& idle) {
+    nodes_->parts.times->arrived(GraphNode::kCommit);
+    nodes_->commit.try_put(idle);
+}
 void SessionGraph::end_of_photos(std::uint64_t photos) {
     nodes_->parts.times->arrived(GraphNode::kCommit);
     nodes_->commit.try_put(EndOfPhotos{photos});

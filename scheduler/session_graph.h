@@ -48,6 +48,7 @@ class SessionGraph {
     void put(const ArrivedPhoto& photo);
     void put(const ResumedImage& image);
     void put(const CatchUp& first);
+    void put(const SourceIdle& idle);
     /// @param photos  how many were put
     void end_of_photos(std::uint64_t photos);
     /// Waits until nothing is under way. @return the first error, if there was one

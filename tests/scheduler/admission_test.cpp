@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // When images give back the tokens that let others in, and when a version shows them.
+#include "scheduler/admission.h"
+
 #include <gtest/gtest.h>
 
 #include "tests/scheduler/serial_session.h"
@@ -86,6 +88,34 @@ TEST_F(AdmissionTest, VersionsLeaveTimeForOtherWork) {
     session->release_solves();
     EXPECT_GT(session->state().scene->version, before) << "there is no other work";
     EXPECT_EQ(session->state().counts.placed, kTogether);
+    EXPECT_EQ(session->reported().size(), kAlone + kTogether);
+}
+
+TEST_F(AdmissionTest, AQuietMomentBetweenPhotographsIsNoTimeForAVersion) {
+    const auto session = solving(false);
+    session->release_solves();
+    Admission tokens(1);
+    session->watch(tokens);
+    session->merges_take(1e9);
+    session->add_image();
+    const std::uint64_t before = session->state().scene->version;
+    session->add_image();
+    EXPECT_EQ(session->state().scene->version, before) << "the next one may come in";
+    session->idle();
+    EXPECT_EQ(session->state().scene->version, before + 1) << "no photograph is there";
+    session->add_image();
+    session->idle();
+    EXPECT_EQ(session->state().scene->version, before + 2);
+    EXPECT_EQ(session->reported().size(), kAlone + kBeforeModel + 3);
+}
+
+TEST_F(AdmissionTest, AVersionIsBegunAtOnceWhenNothingComesInBeforeIt) {
+    const auto session = solving(false);
+    session->release_solves();
+    Admission none(0);
+    session->watch(none);
+    session->merges_take(1e9);
+    for (int i = 0; i < 4; ++i) session->add_image();
     EXPECT_EQ(session->reported().size(), kAlone + kTogether);
 }
 

@@ -164,6 +164,10 @@ bool SerialSession::add_image(std::size_t messages) {
     return run({extracted(*scene_, committer_->state().images.size(), sequence)}, messages);
 }
 
+void SerialSession::idle() {
+    EXPECT_TRUE(run({SourceIdle{photos_}}, kAll));
+}
+
 void SerialSession::end() {
     EXPECT_TRUE(run({EndOfPhotos{photos_}}, kAll));
 }

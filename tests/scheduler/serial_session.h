@@ -32,6 +32,10 @@ class SerialSession {
     /// Takes the next image through all stages; or handles so many messages of it only, like a
     /// process that is killed then. @return whether it got to the end
     bool add_image(std::size_t messages = kAll);
+    /// The image tokens that the source of photographs takes.
+    void watch(const Admission& image_tokens) { committer_->watch(image_tokens); }
+    /// The source has no photograph at present.
+    void idle();
     /// No image will follow: settles the models.
     void end();
     /// Solves take until the next release_solves(); messages that follow overtake them.
