@@ -9,19 +9,28 @@
 namespace psfm {
 
 ViewGraph::ViewGraph(std::span<const VerifiedPairPtr> pairs) : edge_count_(pairs.size()) {
-    std::vector<Edges> adjacency;
-    const auto add = [&](ImageId from, ImageId to, const VerifiedPairPtr& pair) {
-        if (index_of(from) >= adjacency.size()) adjacency.resize(index_of(from) + 1);
-        const auto weight = static_cast<double>(pair->geometry.inliers.size());
-        adjacency[index_of(from)].push_back({to, weight, pair});
+    struct End {
+        ImageId image{};
+        Edge edge;
     };
+    std::vector<End> ends;
+    ends.reserve(2 * pairs.size());
     for (const VerifiedPairPtr& pair : pairs) {
-        add(pair->pair.first, pair->pair.second, pair);
-        add(pair->pair.second, pair->pair.first, pair);
+        const auto weight = static_cast<double>(pair->geometry.inliers.size());
+        ends.push_back({pair->pair.first, {pair->pair.second, weight, pair}});
+        ends.push_back({pair->pair.second, {pair->pair.first, weight, pair}});
     }
-    for (Edges& edges : adjacency) {
-        std::ranges::sort(edges, {}, &Edge::neighbor);
-        set_edges(add_node(), std::move(edges));
+    if (ends.empty()) return;
+    std::ranges::sort(ends, {},
+                      [](const End& end) { return std::pair(end.image, end.edge.neighbor); });
+    // Images may be few of very many: those between them cost nothing but a place each block.
+    size_ = index_of(ends.back().image) + 1;
+    blocks_.resize((size_ + kBlockNodes - 1) / kBlockNodes);
+    for (auto end = ends.begin(); end != ends.end();) {
+        const ImageId image = end->image;
+        Edges own;
+        for (; end != ends.end() && end->image == image; ++end) own.push_back(std::move(end->edge));
+        set_edges(image, std::move(own));
     }
 }
 
