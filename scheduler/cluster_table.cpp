@@ -71,7 +71,10 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
         }
         make_dirty(entry);
     }
-    for (const ClusterId removed : edit.removed) entries_.erase(removed);
+    for (const ClusterId removed : edit.removed) {
+        entries_.erase(removed);
+        unclean_.erase(removed);
+    }
     if (find_hosts) find_hosts();
 
     std::vector<ClusterChange> changes;
@@ -115,18 +118,27 @@ void ClusterTable::set_model(ClusterEntry& entry, std::shared_ptr<const Reconstr
     entry.depths = nullptr;
 }
 
-void ClusterTable::make_dirty(ClusterEntry& entry) const {
+void ClusterTable::set_phase(ClusterEntry& entry, ClusterPhase phase) {
+    entry.phase = phase;
+    if (phase == ClusterPhase::kClean) {
+        unclean_.erase(entry.id);
+    } else {
+        unclean_.insert(entry.id);
+    }
+}
+
+void ClusterTable::make_dirty(ClusterEntry& entry) {
     entry.settled = false;
     const bool in_flight =
         entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
     if (in_flight) {
-        entry.phase = ClusterPhase::kSolvingDirty;
+        set_phase(entry, ClusterPhase::kSolvingDirty);
     } else if (entry.members.size() < mu_min_) {
-        entry.phase = ClusterPhase::kClean;
+        set_phase(entry, ClusterPhase::kClean);
         entry.solved_topology = entry.topology;
         set_model(entry, nullptr);
     } else {
-        entry.phase = ClusterPhase::kDirty;
+        set_phase(entry, ClusterPhase::kDirty);
     }
 }
 
@@ -219,9 +231,10 @@ std::vector<ImageId> ClusterTable::images_of(const ClusterEntry& entry) const {
 
 std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
     std::vector<const ClusterEntry*> taken;
-    for (auto& [id, entry] : entries_) {
+    for (const ClusterId id : unclean_) {
+        ClusterEntry& entry = entries_.at(id);
         if (entry.phase != ClusterPhase::kDirty) continue;
-        entry.phase = ClusterPhase::kSolving;
+        set_phase(entry, ClusterPhase::kSolving);
         taken.push_back(&entry);
     }
     return taken;
@@ -232,7 +245,7 @@ std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     for (auto& [id, entry] : entries_) {
         if (entry.phase != ClusterPhase::kClean || entry.settled || !has_model(entry.model))
             continue;
-        entry.phase = ClusterPhase::kSolving;
+        set_phase(entry, ClusterPhase::kSolving);
         taken.push_back(&entry);
     }
     return taken;
@@ -243,7 +256,7 @@ const ClusterEntry* ClusterTable::begin_taken(ClusterId cluster) {
     if (found == entries_.end()) return nullptr;
     ClusterEntry& entry = found->second;
     if (entry.phase == ClusterPhase::kSolving) return &entry;
-    entry.phase = ClusterPhase::kClean;
+    set_phase(entry, ClusterPhase::kClean);
     make_dirty(entry);
     return nullptr;
 }
@@ -277,15 +290,15 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         // Images may have left meanwhile.
         keep_members(entry);
         if (entry.members.size() < mu_min_) {
-            entry.phase = ClusterPhase::kClean;
+            set_phase(entry, ClusterPhase::kClean);
             entry.solved_topology = entry.topology;
             set_model(entry, nullptr);
         } else {
-            entry.phase = ClusterPhase::kDirty;
+            set_phase(entry, ClusterPhase::kDirty);
         }
         return nullptr;
     }
-    entry.phase = ClusterPhase::kClean;
+    set_phase(entry, ClusterPhase::kClean);
     entry.solved_topology = entry.topology;
     set_model(entry, solution.model);
     if (solved) entry.brought.clear();
@@ -299,7 +312,7 @@ void ClusterTable::give_up(ClusterId cluster) {
     ++coalesced_;
     const auto found = entries_.find(cluster);
     if (found == entries_.end()) return;
-    found->second.phase = ClusterPhase::kClean;
+    set_phase(found->second, ClusterPhase::kClean);
     make_dirty(found->second);
 }
 
@@ -333,8 +346,7 @@ void ClusterTable::wake(ClusterId cluster, const std::shared_ptr<const Reconstru
 }
 
 bool ClusterTable::busy() const {
-    return std::ranges::any_of(
-        entries_, [](const auto& e) { return e.second.phase != ClusterPhase::kClean; });
+    return !unclean_.empty();
 }
 
 void ClusterTable::restore_models(ClusterEntry models) {
@@ -362,7 +374,7 @@ void ClusterTable::restore(ClusterEntry entry) {
         cluster_of_[index_of(image)] = entry.id;
     }
     const bool dirty = entry.solved_topology != entry.topology && entry.members.size() >= mu_min_;
-    entry.phase = dirty ? ClusterPhase::kDirty : ClusterPhase::kClean;
+    set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
     entries_[entry.id] = std::move(entry);
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -169,7 +170,8 @@ class ClusterTable {
 
   private:
     static void set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model);
-    void make_dirty(ClusterEntry& entry) const;
+    void set_phase(ClusterEntry& entry, ClusterPhase phase);
+    void make_dirty(ClusterEntry& entry);
     bool keep_members(ClusterEntry& entry) const;
     /// @return the host that it had
     std::optional<ClusterId> take_from_host(ImageId guest);
@@ -180,6 +182,7 @@ class ClusterTable {
 
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;
+    std::set<ClusterId> unclean_;  // those of entries_ whose phase is not kClean
     std::vector<ClusterId> cluster_of_;
     std::map<ImageId, ClusterId> host_of_;          // of guests
     std::map<ImageId, ClusterId> home_of_adopted_;  // their own cluster when they were adopted
