@@ -13,7 +13,7 @@ ABOUT = """\
 Google Benchmark, one thread each; processor time of one call, so that other programs on the machine disturb little.
 Counters are the benchmarks' own.
 """
-NAMES = ("extraction", "match_descriptors", "verification", "retrieval", "clustering",
+NAMES = ("extraction", "match_descriptors", "verification", "retrieval", "retrieval_index", "clustering",
          "rotation_averaging", "triangulation", "bundle_adjustment", "sim3", "merge")
 PEAK, KERNEL = "BM_PeakVpdpbusd", "BM_Match/avx512_vnni/8000"
 IN_SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
