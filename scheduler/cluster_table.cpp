@@ -72,10 +72,12 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
         make_dirty(entry);
     }
     for (const ClusterId removed : edit.removed) {
-        entries_.erase(removed);
+        if (auto entry = entries_.extract(removed))
+            orphans_.emplace(removed, std::move(entry.mapped().guests));
         unclean_.erase(removed);
     }
     if (find_hosts) find_hosts();
+    orphans_.clear();
 
     std::vector<ClusterChange> changes;
     for (const ClusterMembers& changed : edit.changed) {
@@ -208,9 +210,15 @@ std::vector<ImageId> ClusterTable::adopted_by(const ClusterEntry& entry) const {
 
 std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters) const {
     std::vector<ImageId> guests;
-    for (const auto& [image, host] : host_of_) {
-        if (std::ranges::find(clusters, host) != clusters.end()) guests.push_back(image);
+    for (const ClusterId id : clusters) {
+        const auto entry = entries_.find(id);
+        const auto orphans = orphans_.find(id);
+        if (entry != entries_.end())
+            std::ranges::copy(entry->second.guests, std::back_inserter(guests));
+        if (orphans != orphans_.end())
+            std::ranges::copy(orphans->second, std::back_inserter(guests));
     }
+    std::ranges::sort(guests);
     return guests;
 }
 

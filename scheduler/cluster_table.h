@@ -112,7 +112,8 @@ class ClusterTable {
     bool stays_adopted(ImageId image) const;
     /// The adopted ones among a cluster's guests, ascending.
     std::vector<ImageId> adopted_by(const ClusterEntry& entry) const;
-    /// Guests of these clusters.
+    /// Guests of these clusters, ascending. While apply() looks for hosts, also of those that it
+    /// removes.
     std::vector<ImageId> guests_of(std::span<const ClusterId> clusters) const;
 
     /// Dirty clusters that no solve is in flight for, ascending. They become kSolving.
@@ -184,7 +185,9 @@ class ClusterTable {
     std::map<ClusterId, ClusterEntry> entries_;
     std::set<ClusterId> unclean_;  // those of entries_ whose phase is not kClean
     std::vector<ClusterId> cluster_of_;
-    std::map<ImageId, ClusterId> host_of_;          // of guests
+    std::map<ImageId, ClusterId> host_of_;  // of guests
+    /// Guests of clusters that the edit in progress removes.
+    std::map<ClusterId, std::vector<ImageId>> orphans_;
     std::map<ImageId, ClusterId> home_of_adopted_;  // their own cluster when they were adopted
     std::uint32_t coalesced_ = 0;
 };
