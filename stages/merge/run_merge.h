@@ -59,7 +59,7 @@ struct MergeResult {
     /// Poses that the next merge takes over where nothing that they follow from has changed.
     std::vector<SolvedPartPtr> parts;
     std::uint32_t reused = 0;        ///< constraints taken from MergeProblem::known
-    std::uint32_t parts_solved = 0;  ///< those of `parts` that were not in known_parts
+    std::uint32_t parts_solved = 0;  ///< of `parts` and what they fell into: not known before
     std::uint32_t dropped = 0;       ///< accepted constraints that the pose graph contradicts
 };
 

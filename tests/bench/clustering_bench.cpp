@@ -3,8 +3,8 @@
 //
 // What one more image costs the clustering when N are there already. Photographs of places: images
 // lie in a plane, each is matched to those near it, all arrive in random order. Two worlds: places
-// far apart, so that the graph falls into clusters of about a hundred images; and one path along
-// which everything joins into a single cluster, where the edit's own member list is what grows.
+// far apart, so that the graph falls into clusters of about a hundred images; and one path, which
+// joins into a single cluster up to some thousand images and into many held apart above.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

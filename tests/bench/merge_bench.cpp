@@ -4,7 +4,7 @@
 // What a version costs that shows one changed cluster, when N images are there: clusters of a
 // simulated town with models of their own, a little bent, each in its own gauge, and merging that
 // knows what the version before came to. Without copied facades all stand in one frame; with them
-// most constraints are folds that contradict others.
+// many constraints are folds that contradict others.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
