@@ -54,6 +54,9 @@ class Committer {
     /// threads: some have nothing to do.
     void settle_at_once(std::size_t models) { settles_at_once_ = models; }
 
+    /// See ExecutionOptions::rest_per_merge.
+    void rest_after_merges(double times) { rest_per_merge_ = times; }
+
     /// The image tokens, which outlive this; without them, whatever is quiet counts as idle.
     void watch(const Admission& image_tokens) { image_tokens_ = &image_tokens; }
 
@@ -155,12 +158,13 @@ class Committer {
     std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
     std::optional<std::uint64_t> photos_expected_;     // known once no photograph will follow
     bool merging_ = false;                             // one merge in flight at most
-    Clock::time_point next_version_;                   // not before, while there is other work
-    bool changed_ = false;                             // something is to be merged and published
-    bool catching_up_ = false;                         // an image token is held for that
-    bool settle_first_ = false;                        // an earlier process was settling
-    std::deque<ClusterId> to_settle_;                  // taken from the table, and not begun yet
-    std::size_t settling_ = 0;                         // begun, and not solved yet
+    double rest_per_merge_ = ExecutionOptions{}.rest_per_merge;
+    Clock::time_point next_version_;   // not before, while there is other work
+    bool changed_ = false;             // something is to be merged and published
+    bool catching_up_ = false;         // an image token is held for that
+    bool settle_first_ = false;        // an earlier process was settling
+    std::deque<ClusterId> to_settle_;  // taken from the table, and not begun yet
+    std::size_t settling_ = 0;         // begun, and not solved yet
     std::size_t settles_at_once_ = 8;
     std::size_t solving_ = 0;            // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others

@@ -9,19 +9,10 @@
 #include "scheduler/encode_state.h"
 
 namespace psfm {
-namespace {
-
-/// While other work goes on, the next version is begun so many times as long after a merge as that
-/// took. Raised: later versions; lowered: merging, whose cost grows with the session, takes the
-/// time of what is to be merged. Ours.
-constexpr double kRestPerMerge = 5.0;
-
-}  // namespace
-
 Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     merging_ = false;
     next_version_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                       kRestPerMerge *
+                                       rest_per_merge_ *
                                        std::chrono::duration<double, std::milli>(message.merge_ms));
     if (!message.result->ok()) return message.result->error();
     const MergeResult& merged = message.result->value().merge;

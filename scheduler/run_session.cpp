@@ -134,6 +134,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     Admission image_tokens(config.batch           ? std::numeric_limits<int>::max()
                            : config.deterministic ? 1
                                                   : execution.images_in_flight);
+    committer.rest_after_merges(execution.rest_per_merge);
     committer.watch(image_tokens);
     parts.options = &*options;
     parts.front_end = front_end->get();

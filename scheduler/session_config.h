@@ -82,6 +82,10 @@ struct ExecutionOptions {
     /// Keypoints that no solve has used lately, in memory [bytes], and as much again of models'
     /// points; the others are read back from the store. Higher: fewer reads.
     std::size_t idle_bytes = std::size_t{32} << 20U;
+    /// While other work goes on, the next version is begun so many times as long after a merge as
+    /// that took. Higher: later versions; lower: merging, whose cost grows with the session, takes
+    /// the time of what is to be merged. Ours.
+    double rest_per_merge = 5.0;
 };
 
 }  // namespace psfm

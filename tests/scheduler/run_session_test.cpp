@@ -136,6 +136,53 @@ TEST_F(RunSessionTest, PublishesAVersionAfterEveryImage) {
     }
 }
 
+/// Photographs, and then none until the session has reported them all.
+class PausingSource final : public PhotoSource {
+  public:
+    PausingSource(std::vector<PhotoFile> photos, const std::atomic<std::size_t>& reported)
+        : photos_(std::move(photos)), reported_(&reported) {}
+
+    Next next(PhotoFile& photo) override {
+        constexpr int kMostPolls = 600;
+        if (handed_on_ < photos_.size()) {
+            photo = photos_[handed_on_++];
+            return Next::kPhoto;
+        }
+        if (reported_->load() == photos_.size()) return Next::kEnd;
+        gave_up_ = ++polls_ == kMostPolls;
+        return gave_up_ ? Next::kEnd : Next::kLater;
+    }
+    bool gave_up() const { return gave_up_; }
+
+  private:
+    std::vector<PhotoFile> photos_;
+    const std::atomic<std::size_t>* reported_;
+    std::size_t handed_on_ = 0;
+    int polls_ = 0;
+    bool gave_up_ = false;
+};
+
+class Counter final : public SessionObserver {
+  public:
+    void on_publish(const PublishMessage& publish) override { images += publish.images.size(); }
+    std::atomic<std::size_t> images = 0;
+};
+
+TEST_F(RunSessionTest, PublishesAllThatIsThereWhenNoPhotographComesForTheTimeBeing) {
+    auto store = SessionStore::open(fresh("pausing"), {});
+    ASSERT_TRUE(store.ok()) << store.error().message;
+    Counter counter;
+    PausingSource source(photos(), counter.images);
+    ExecutionOptions execution;
+    execution.threads = 2;
+    execution.rest_per_merge = 1e9;  // no version but of what is at rest
+    const std::atomic<bool> stop = false;
+    const auto run = run_session(**store, {}, execution, source, counter, stop);
+    ASSERT_TRUE(run.ok()) << run.error().message;
+    EXPECT_FALSE(source.gave_up());
+    EXPECT_EQ(counter.images.load(), 9U);
+}
+
 TEST_F(RunSessionTest, TellsWhatItsNodesDid) {
     Outcome outcome;
     run(fresh("usage"), SessionConfig{}, photos(), outcome, 3);
