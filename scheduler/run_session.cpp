@@ -4,6 +4,7 @@
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <optional>
@@ -52,6 +53,12 @@ bool admit(Admission& tokens, const SessionGraph& graph, const std::atomic<bool>
         if (tokens.acquire_for(kPoll)) return true;
     }
     return false;
+}
+
+/// An arena for so many threads at once: one from outside, which has a slot of its own, and TBB's
+/// workers. An arena with one slot has two in TBB: the second one is kept for nobody.
+tbb::task_arena arena_of(int threads) {
+    return threads == 1 ? tbb::task_arena(2, 2) : tbb::task_arena(threads, 1);
 }
 
 /// @return how many photographs were put into the graph
@@ -112,16 +119,14 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     const auto options = stage_options(config);
     if (!options.ok()) return options.error();
     if (const auto kept = store.keep_history(config.history); !kept.ok()) return kept.error();
-    auto restored = restore_session(store, config, *options);
-    if (!restored.ok()) return restored.error();
-
-    const SeenPhotos seen(*restored);
     const int threads = execution.threads > 0
                             ? execution.threads
-                            : static_cast<int>(std::thread::hardware_concurrency());
-    // The thread that feeds the graph sleeps most of the time: it has a slot of its own beside the
-    // workers'.
-    tbb::task_arena arena(threads + 1, 1);
+                            : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    tbb::task_arena arena = arena_of(threads);
+    Result<RestoredSession> restored = Error{};
+    arena.execute([&] { restored = restore_session(store, config, *options); });
+    if (!restored.ok()) return restored.error();
+    const SeenPhotos seen(*restored);
     auto front_end = make_front_end(store, config, *options, restored->state, arena, salvage);
     if (!front_end.ok()) return front_end.error();
     SessionGraph::Parts parts;

@@ -9,6 +9,7 @@
 #include <exception>
 #include <mutex>
 #include <new>
+#include <system_error>
 #include <tuple>
 
 #include "stages/merge/run_merge.h"
@@ -59,6 +60,8 @@ struct SessionGraph::Nodes {
             throw;
         }
     }
+    /// Takes part in the graph's work until nothing is under way and nothing more can come.
+    void run();
     bool stopped() const { return parts.stop->load() || has_failed.load(); }
     void fail(const Error& the_error);
 
@@ -260,10 +263,32 @@ void SessionGraph::Nodes::commit_message(const CommitInput& input,
 SessionGraph::SessionGraph(const Parts& parts, tbb::task_arena& arena) {
     // A graph runs in the arena that it is made in.
     arena.execute([&] { nodes_ = std::make_unique<Nodes>(parts, arena); });
+    nodes_->graph.reserve_wait();
+    try {
+        thread_ = std::thread([nodes = nodes_.get()] { nodes->run(); });
+    } catch (const std::system_error&) {
+        nodes_->graph.release_wait();
+        nodes_->fail({ErrorCode::kInternal,
+                      "no thread can be started; are too many running ('ulimit -u')?"});
+    }
 }
 
 SessionGraph::~SessionGraph() {
-    nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
+    finish();
+}
+
+void SessionGraph::finish() {
+    if (!thread_.joinable()) return;
+    nodes_->graph.release_wait();
+    thread_.join();
+}
+
+void SessionGraph::Nodes::run() {
+    try {
+        arena.execute([&] { graph.wait_for_all(); });
+    } catch (const std::exception& exception) {
+        fail({ErrorCode::kInternal, std::string("flow graph: ") + exception.what()});
+    }
 }
 
 void SessionGraph::put(const ArrivedPhoto& photo) {
@@ -288,11 +313,7 @@ void SessionGraph::end_of_photos(std::uint64_t photos) {
 }
 
 Result<void> SessionGraph::wait() {
-    try {
-        nodes_->arena.execute([&] { nodes_->graph.wait_for_all(); });
-    } catch (const std::exception& exception) {
-        nodes_->fail({ErrorCode::kInternal, std::string("flow graph: ") + exception.what()});
-    }
+    finish();
     if (!nodes_->has_failed.load()) return {};
     const std::lock_guard lock(nodes_->error_mutex);
     return nodes_->error;

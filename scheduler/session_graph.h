@@ -7,6 +7,7 @@
 #include <atomic>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "graph/result.h"
@@ -39,6 +40,7 @@ class SessionGraph {
         std::size_t committed_images = 0;  ///< whose pairs an earlier process has committed
     };
 
+    /// Begins with a thread of its own, one of the arena's: the caller only hands on.
     /// @param arena  where everything runs; outlives the graph
     SessionGraph(const Parts& parts, tbb::task_arena& arena);
     ~SessionGraph();
@@ -51,13 +53,17 @@ class SessionGraph {
     void put(const SourceIdle& idle);
     /// @param photos  how many were put
     void end_of_photos(std::uint64_t photos);
-    /// Waits until nothing is under way. @return the first error, if there was one
+    /// Waits until nothing is under way. Nothing can be put afterwards.
+    /// @return the first error, if there was one
     Result<void> wait();
     bool failed() const;
 
   private:
     struct Nodes;
+    void finish();
+
     std::unique_ptr<Nodes> nodes_;
+    std::thread thread_;
 };
 
 }  // namespace psfm

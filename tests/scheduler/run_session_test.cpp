@@ -2,11 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The whole program below the command line, on photographs that are rendered for it.
-#include "scheduler/run_session.h"
-
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,105 +10,15 @@
 #include <set>
 #include <thread>
 
-#include "graph/reconstruction.h"
 #include "stages/features/photo_listing.h"
-#include "tests/synthetic/render.h"
+#include "tests/scheduler/rendered_session.h"
 
 namespace psfm {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Recorder final : public SessionObserver {
-  public:
-    void on_publish(const PublishMessage& publish) override {
-        images.insert(images.end(), publish.images.begin(), publish.images.end());
-        events.insert(events.end(), publish.events.begin(), publish.events.end());
-        if (publish.scene) versions.push_back(publish.scene);
-        if (stop_after > 0 && images.size() >= stop_after) stop.store(true);
-    }
-    std::vector<ImageReport> images;
-    std::vector<SessionEvent> events;
-    std::vector<ScenePtr> versions;
-    std::size_t stop_after = 0;
-    std::atomic<bool> stop{false};
-};
-
-class RunSessionTest : public testing::Test {
-  protected:
-    static void SetUpTestSuite() {
-        folder = fs::temp_directory_path() / ("psfm_run_session_" + std::to_string(getpid()));
-        synthetic::PhotoSetOptions options;
-        options.scene = synthetic::PhotoScene::kWall;
-        options.images = 9;
-        options.width = 480;
-        options.height = 360;
-        ASSERT_TRUE(synthetic::render_photographs(options, 11, folder / "photos").ok());
-    }
-    static void TearDownTestSuite() { fs::remove_all(folder); }
-
-    static fs::path images() { return folder / "photos" / "images"; }
-    static fs::path fresh(const std::string& name) {
-        fs::remove_all(folder / name);
-        return folder / name;
-    }
-    static std::vector<PhotoFile> photos() { return list_photos(images())->photos; }
-
-    struct Outcome {
-        Result<SessionRun> run = Error{};
-        Recorder recorder;
-    };
-
-    static void run(const fs::path& session, const SessionConfig& config,
-                    std::vector<PhotoFile> files, Outcome& outcome, int threads = 2) {
-        const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
-                                          static_cast<std::size_t>(threads) + 1);
-        auto store = SessionStore::open(session, {});
-        ASSERT_TRUE(store.ok()) << store.error().message;
-        PhotoList list(std::move(files));
-        ExecutionOptions execution;
-        execution.threads = threads;
-        outcome.run =
-            run_session(**store, config, execution, list, outcome.recorder, outcome.recorder.stop);
-        ASSERT_TRUE(outcome.run.ok()) << outcome.run.error().message;
-    }
-
-    static Scene scene_of(const fs::path& session) {
-        auto reader = open_session_reader(session, {});
-        EXPECT_TRUE(reader.ok());
-        auto scene = (*reader)->scene();
-        EXPECT_TRUE(scene.ok());
-        return *scene;
-    }
-
-    /// Bitwise, points and poses.
-    static void expect_equal(const Scene& a, const Scene& b) {
-        ASSERT_EQ(a.clusters.size(), b.clusters.size());
-        for (std::size_t c = 0; c < a.clusters.size(); ++c) {
-            EXPECT_EQ(a.clusters[c]->members, b.clusters[c]->members);
-            EXPECT_EQ(a.clusters[c]->world_from_cluster.translation,
-                      b.clusters[c]->world_from_cluster.translation);
-            EXPECT_EQ(a.clusters[c]->world_from_cluster.scale,
-                      b.clusters[c]->world_from_cluster.scale);
-            const Reconstruction& model_a = *a.clusters[c]->model;
-            const Reconstruction& model_b = *b.clusters[c]->model;
-            ASSERT_EQ(model_a.images.size(), model_b.images.size());
-            for (std::size_t i = 0; i < model_a.images.size(); ++i) {
-                EXPECT_EQ(model_a.images[i].cam_from_cluster.translation,
-                          model_b.images[i].cam_from_cluster.translation);
-                EXPECT_EQ(model_a.images[i].cam_from_cluster.rotation.coeffs(),
-                          model_b.images[i].cam_from_cluster.rotation.coeffs());
-            }
-            ASSERT_EQ(model_a.points.size(), model_b.points.size());
-            for (std::size_t i = 0; i < model_a.points.size(); ++i) {
-                ASSERT_EQ(model_a.points[i].position, model_b.points[i].position);
-                ASSERT_EQ(model_a.points[i].track, model_b.points[i].track);
-            }
-        }
-    }
-
-    inline static fs::path folder;
-};
+class RunSessionTest : public RenderedSession {};
 
 TEST_F(RunSessionTest, PublishesAVersionAfterEveryImage) {
     SessionConfig config;
@@ -207,6 +113,16 @@ TEST_F(RunSessionTest, TellsWhatItsNodesDid) {
     EXPECT_GE(nodes[GraphNode::kMerge].runs, 1U);
     EXPECT_GT(nodes[GraphNode::kExtract].work_s, 0.0);
     EXPECT_GE(nodes[GraphNode::kPublish].runs, 1U);
+}
+
+TEST_F(RunSessionTest, OneThreadIsNeverInTwoNodesAtOnce) {
+    Outcome outcome;
+    ExecutionOptions all_at_once;  // the thread that feeds has nothing to wait for but the end
+    all_at_once.photos_ahead = all_at_once.images_in_flight = 9;
+    run(fresh("one_thread"), SessionConfig{}, photos(), outcome, 1, all_at_once);
+    double work_s = 0.0;
+    for (const NodeUsage& node : outcome.run->usage.nodes) work_s += node.work_s;
+    EXPECT_LE(work_s, outcome.run->usage.seconds);
 }
 
 TEST_F(RunSessionTest, IsBitwiseTheSameOnAnyNumberOfThreads) {

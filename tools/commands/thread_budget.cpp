@@ -52,7 +52,8 @@ struct ThreadBudget::Control {
 ThreadBudget::ThreadBudget(int threads) {
     const unsigned workers = threads > 0 ? static_cast<unsigned>(threads)
                                          : std::max(1U, std::thread::hardware_concurrency());
-    // One more than the workers: the thread that feeds the session's graph, which mostly sleeps.
+    // One more than arenas have slots for, since TBB starts a worker in any case for what is
+    // enqueued where it is allowed none.
     control_ = std::make_unique<Control>(workers + 1);
     cv::parallel::setParallelForBackend(std::make_shared<CallersArena>(static_cast<int>(workers)),
                                         false);
