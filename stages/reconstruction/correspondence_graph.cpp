@@ -3,8 +3,11 @@
 #include "stages/reconstruction/correspondence_graph.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <optional>
+
+#include "stages/reconstruction/in_parallel.h"
 
 namespace psfm {
 namespace {
@@ -54,6 +57,15 @@ void CorrespondenceGraph::gather(std::uint32_t image) const {
     std::vector<std::uint32_t> next(all.offsets.begin(), all.offsets.end() - 1);
     for_each_match(
         [&](std::uint32_t own, const Feature& other) { all.targets[next[own]++] = other; });
+}
+
+void CorrespondenceGraph::gather(std::span<const std::uint32_t> images) const {
+    std::vector<std::uint32_t> missing;
+    std::ranges::copy_if(images, std::back_inserter(missing),
+                         [&](std::uint32_t image) { return matches_[image].offsets.empty(); });
+    std::ranges::sort(missing);
+    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+    in_parallel(missing.size(), [&](std::size_t i) { gather(missing[i]); });
 }
 
 void CorrespondenceGraph::forget() const {

@@ -41,6 +41,9 @@ class CorrespondenceGraph {
         return std::span(all.targets).subspan(first, all.offsets[feature.feature + 1] - first);
     }
 
+    /// Gathers what matches() will be asked for, beside one another: reading the matches of these
+    /// images is then safe from any number of threads.
+    void gather(std::span<const std::uint32_t> images) const;
     /// Gives back the memory of what was gathered; who asks again waits again. Spans that matches()
     /// has returned are void.
     void forget() const;

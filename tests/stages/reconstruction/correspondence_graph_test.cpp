@@ -29,6 +29,9 @@ TEST(CorrespondenceGraph, WhatWasForgottenIsGatheredAgain) {
     EXPECT_EQ(matches.size(), 2 * inliers);
     scene.matches->forget();
     EXPECT_EQ(all_matches(*scene.matches), matches);
+    scene.matches->forget();
+    scene.matches->gather(std::vector<std::uint32_t>{6, 0, 1, 6, 3});
+    EXPECT_EQ(all_matches(*scene.matches), matches);
 }
 
 }  // namespace
