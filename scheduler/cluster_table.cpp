@@ -118,6 +118,7 @@ void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
 void ClusterTable::set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model) {
     entry.model = std::move(model);
     entry.depths = nullptr;
+    ++entry.placing_changes;
 }
 
 void ClusterTable::set_phase(ClusterEntry& entry, ClusterPhase phase) {
@@ -142,99 +143,6 @@ void ClusterTable::make_dirty(ClusterEntry& entry) {
     } else {
         set_phase(entry, ClusterPhase::kDirty);
     }
-}
-
-std::optional<ClusterId> ClusterTable::take_from_host(ImageId guest) {
-    const auto known = host_of_.find(guest);
-    if (known == host_of_.end()) return std::nullopt;
-    const ClusterId host = known->second;
-    host_of_.erase(known);
-    if (const auto left = entries_.find(host); left != entries_.end())
-        std::erase(left->second.guests, guest);
-    return host;
-}
-
-void ClusterTable::give_to_host(ImageId guest, ClusterId host) {
-    host_of_[guest] = host;
-    std::vector<ImageId>& guests = entries_.at(host).guests;
-    guests.insert(std::ranges::lower_bound(guests, guest), guest);
-}
-
-std::vector<ClusterId> ClusterTable::set_hosts(
-    std::span<const std::pair<ImageId, std::optional<ClusterId>>> hosts) {
-    std::set<ClusterId> changed;
-    for (const auto& [image, host] : hosts) {
-        const auto known = host_of_.find(image);
-        const std::optional<ClusterId> before =
-            known == host_of_.end() ? std::nullopt : std::optional(known->second);
-        const bool was_adopted = home_of_adopted_.erase(image) > 0;
-        if (before == host && !was_adopted) continue;
-        if (const auto left = take_from_host(image); left && entries_.contains(*left))
-            changed.insert(*left);
-        if (host) {
-            give_to_host(image, *host);
-            changed.insert(*host);
-        } else if (was_adopted) {
-            changed.insert(cluster_of_[index_of(image)]);
-        }
-    }
-    std::vector<ClusterId> dirty(changed.begin(), changed.end());
-    make_dirty(dirty);
-    return dirty;
-}
-
-void ClusterTable::adopt(ImageId image, ClusterId host) {
-    take_from_host(image);
-    give_to_host(image, host);
-    home_of_adopted_[image] = cluster_of_[index_of(image)];
-    make_dirty(std::span(&host, 1));
-}
-
-bool ClusterTable::stays_adopted(ImageId image) const {
-    const auto home = home_of_adopted_.find(image);
-    if (home == home_of_adopted_.end() || cluster_of_[index_of(image)] != home->second)
-        return false;
-    const auto host = entries_.find(host_of_.at(image));
-    if (host == entries_.end() || host->second.members.size() < mu_min_) return false;
-    const ClusterEntry& entry = host->second;
-    const bool is_placed = has_model(entry.model) && entry.model->find(image) != nullptr;
-    return is_placed || entry.phase != ClusterPhase::kClean;
-}
-
-std::vector<ImageId> ClusterTable::adopted_by(const ClusterEntry& entry) const {
-    std::vector<ImageId> adopted;
-    std::ranges::copy_if(entry.guests, std::back_inserter(adopted),
-                         [&](ImageId image) { return is_adopted(image); });
-    return adopted;
-}
-
-std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters) const {
-    std::vector<ImageId> guests;
-    for (const ClusterId id : clusters) {
-        const auto entry = entries_.find(id);
-        const auto orphans = orphans_.find(id);
-        if (entry != entries_.end())
-            std::ranges::copy(entry->second.guests, std::back_inserter(guests));
-        if (orphans != orphans_.end())
-            std::ranges::copy(orphans->second, std::back_inserter(guests));
-    }
-    std::ranges::sort(guests);
-    return guests;
-}
-
-const ClusterEntry& ClusterTable::of(ImageId image) const {
-    const auto host = host_of_.find(image);
-    return entries_.at(host != host_of_.end() ? host->second : cluster_of_[index_of(image)]);
-}
-
-std::vector<ImageId> ClusterTable::images_of(const ClusterEntry& entry) const {
-    std::vector<ImageId> images;
-    std::ranges::copy_if(entry.members, std::back_inserter(images),
-                         [&](ImageId image) { return !host_of_.contains(image); });
-    const auto members = static_cast<std::ptrdiff_t>(images.size());
-    images.insert(images.end(), entry.guests.begin(), entry.guests.end());
-    std::inplace_merge(images.begin(), images.begin() + members, images.end());
-    return images;
 }
 
 std::vector<const ClusterEntry*> ClusterTable::take_dirty() {

@@ -46,6 +46,9 @@ struct ClusterEntry {
     std::shared_ptr<const Reconstruction> model;
     /// MergeResult::depths of the model; null: it was not merged yet.
     std::shared_ptr<const std::vector<double>> depths;
+    /// Counts what may have changed in which images of the model are placed by this cluster, and in
+    /// their edges of the view graph.
+    std::uint64_t placing_changes = 0;
     /// The points of the model, which is all of the material, are in the store and not in memory
     /// (ClusterTable::rest).
     bool rests = false;
@@ -94,6 +97,8 @@ class ClusterTable {
     /// their new members
     std::vector<ClusterChange> apply(const ClusteringEdit& edit,
                                      const std::function<void()>& find_hosts = {});
+    /// Edges of these images have come or gone.
+    void edges_changed(std::span<const ImageId> images);
     /// Clusters that lost an edge between two of their members: what their models rest on has
     /// changed.
     void make_dirty(std::span<const ClusterId> clusters);
@@ -154,6 +159,8 @@ class ClusterTable {
     /// The images that a cluster places: members that are nobody's guests, and its own guests;
     /// ascending.
     std::vector<ImageId> images_of(const ClusterEntry& entry) const;
+    /// Those of them that are not in its model.
+    std::vector<ImageId> unplaced_of(const ClusterEntry& entry) const;
     std::size_t image_count() const { return cluster_of_.size(); }
     std::uint32_t coalesced() const { return coalesced_; }
 
@@ -174,6 +181,8 @@ class ClusterTable {
     void set_phase(ClusterEntry& entry, ClusterPhase phase);
     void make_dirty(ClusterEntry& entry);
     bool keep_members(ClusterEntry& entry) const;
+    std::optional<ClusterId> host_of(ImageId image) const;  ///< of a guest
+    void set_host(ImageId image, std::optional<ClusterId> host);
     /// @return the host that it had
     std::optional<ClusterId> take_from_host(ImageId guest);
     void give_to_host(ImageId guest, ClusterId host);
@@ -185,7 +194,7 @@ class ClusterTable {
     std::map<ClusterId, ClusterEntry> entries_;
     std::set<ClusterId> unclean_;  // those of entries_ whose phase is not kClean
     std::vector<ClusterId> cluster_of_;
-    std::map<ImageId, ClusterId> host_of_;  // of guests
+    std::vector<std::optional<ClusterId>> host_of_;  // by image; those of guests
     /// Guests of clusters that the edit in progress removes.
     std::map<ClusterId, std::vector<ImageId>> orphans_;
     std::map<ImageId, ClusterId> home_of_adopted_;  // their own cluster when they were adopted

@@ -82,6 +82,7 @@ Result<StoredEdit> Committer::apply(const ClusteringEdit& edit, const EdgeChange
     std::vector<ClusterId> rehosted;
     const std::vector<ClusterChange> changes =
         state_.clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
+    state_.clusters.edges_changed(edges.images);
     for (const ClusterChange& change : changes) tell(describe_change(change));
     state_.counts.solves_skipped += static_cast<std::uint32_t>(
         untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));

@@ -40,19 +40,6 @@ std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
     return calibrated;
 }
 
-/// By image: the cluster that places it, in whose model it is. A table, since every edge of the
-/// view graph is looked up in it.
-std::vector<std::optional<ClusterId>> placing_clusters(const SessionState& state) {
-    std::vector<std::optional<ClusterId>> placing(state.view_graph.size());
-    for (const auto& [id, entry] : state.clusters.entries()) {
-        if (!entry.model) continue;
-        for (const RegisteredImage& image : entry.model->images) {
-            if (state.clusters.of(image.image).id == id) placing[index_of(image.image)] = id;
-        }
-    }
-    return placing;
-}
-
 }  // namespace
 
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
@@ -83,28 +70,18 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     return problem;
 }
 
-std::shared_ptr<MergeProblem> make_merge_problem(const SessionState& state) {
+std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
         problem->clusters.push_back({id, entry.revision, entry.model, entry.depths});
-    const std::vector<std::optional<ClusterId>> placing = placing_clusters(state);
-    std::map<std::pair<ClusterId, ClusterId>, std::vector<VerifiedPairPtr>> between;
-    for (std::uint32_t number = 0; number < placing.size(); ++number) {
-        if (!placing[number]) continue;
-        for (const ViewGraph::Edge& edge : state.view_graph.edges(static_cast<ImageId>(number))) {
-            const std::optional<ClusterId>& other = placing[index_of(edge.neighbor)];
-            if (other && *placing[number] < *other)
-                between[{*placing[number], *other}].push_back(edge.pair);
-        }
-    }
-    for (auto& [clusters, edges] : between) {
-        std::ranges::sort(edges, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
-        problem->pairs.push_back({clusters.first, clusters.second, std::move(edges)});
-    }
+    problem->pairs = state.between.update(state.clusters, state.view_graph);
     problem->known = state.constraints;
     problem->known_parts = state.parts;
     problem->previous = state.scene;
-    problem->evidence = evidence_of(state.images);
+    const auto is_located = [](const Image& image) { return image.metadata.gps.has_value(); };
+    // Orientations alone say nothing.
+    if (std::ranges::any_of(state.images, is_located))
+        problem->evidence = evidence_of(state.images);
     return problem;
 }
 
@@ -119,8 +96,7 @@ std::vector<UnplacedImage> unplaced_images(const SessionState& state, const Sess
     std::vector<UnplacedImage> unplaced;
     for (const auto& [id, entry] : state.clusters.entries()) {
         if (entry.phase != ClusterPhase::kClean || entry.revision == 0) continue;
-        for (const ImageId image_id : state.clusters.images_of(entry)) {
-            if (entry.model && entry.model->find(image_id) != nullptr) continue;
+        for (const ImageId image_id : state.clusters.unplaced_of(entry)) {
             if (state.clusters.is_adopted(image_id)) continue;
             const Image& image = state.images[index_of(image_id)];
             UnplacedImage candidate{image_id,

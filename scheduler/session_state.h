@@ -17,6 +17,7 @@
 #include "graph/scene.h"
 #include "graph/view_graph.h"
 #include "scheduler/cluster_table.h"
+#include "scheduler/edges_between_clusters.h"
 #include "scheduler/messages.h"
 #include "scheduler/resident_keypoints.h"
 #include "scheduler/resident_models.h"
@@ -54,6 +55,7 @@ struct SessionState {
     EdgeSelection edges;  ///< which pairs the view graph holds
     ClusteringState clustering;
     ClusterTable clusters;
+    EdgesBetweenClusters between;                ///< as of the last version
     ResidentModels models;                       ///< which of the clusters rest
     std::vector<ClusterConstraint> constraints;  ///< MergeProblem::known of the next version
     std::vector<SolvedPartPtr> parts;            ///< MergeProblem::known_parts of it

@@ -10,8 +10,7 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
                                                            std::uint32_t mu_min) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        for (const ImageId image : state.clusters.images_of(entry)) {
-            if (entry.model && entry.model->find(image) != nullptr) continue;
+        for (const ImageId image : state.clusters.unplaced_of(entry)) {
             WaitReason reason = WaitReason::kSolving;
             if (state.view_graph.edges(image).empty()) {
                 reason = WaitReason::kTooFewMatches;

@@ -18,8 +18,14 @@ namespace psfm {
 struct ClusterPairEdges {
     ClusterId a{};  ///< a < b
     ClusterId b{};
-    std::vector<VerifiedPairPtr> edges;  ///< one image in each cluster; none null
+    std::vector<VerifiedPairPtr> edges;  ///< ascending by images, one in each cluster; none null
+    std::uint64_t hash = 0;              ///< of which pairs they are
 };
+/// Shared from version to version, as long as they stay what they are.
+using ClusterPairEdgesPtr = std::shared_ptr<const ClusterPairEdges>;
+/// Sorts the edges, and hashes them. REQUIRES: none is null
+ClusterPairEdgesPtr cluster_pair_edges(ClusterId a, ClusterId b,
+                                       std::vector<VerifiedPairPtr> edges);
 
 /// What became of a pair of clusters (not persistent).
 enum class ConstraintVerdict : std::uint8_t {

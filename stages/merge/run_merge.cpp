@@ -45,35 +45,19 @@ Result<void> check(const MergeProblem& problem) {
                                 &ImageEvidence::image)) {
         return invalid("evidence must be ascending by image, each once");
     }
-    const auto key = [](const ClusterPairEdges& pair) { return std::pair(pair.a, pair.b); };
+    const auto key = [](const ClusterPairEdgesPtr& pair) { return std::pair(pair->a, pair->b); };
     if (!std::ranges::is_sorted(problem.pairs, std::ranges::less_equal{}, key)) {
         return invalid("pairs of clusters must be ascending, each once");
     }
-    for (const ClusterPairEdges& pair : problem.pairs) {
-        const std::string name = "pair of clusters " + std::to_string(index_of(pair.a)) + " and " +
-                                 std::to_string(index_of(pair.b));
-        if (pair.a >= pair.b) return invalid(name + " is not ascending");
-        if (find_cluster(problem, pair.a) == nullptr || find_cluster(problem, pair.b) == nullptr) {
-            return invalid(name + " names an unknown cluster");
-        }
-        if (std::ranges::find(pair.edges, nullptr) != pair.edges.end()) {
-            return invalid(name + " has a null edge");
-        }
+    for (const ClusterPairEdgesPtr& pair : problem.pairs) {
+        const bool known =
+            find_cluster(problem, pair->a) != nullptr && find_cluster(problem, pair->b) != nullptr;
+        if (pair->a < pair->b && known) continue;
+        return invalid("pair of clusters " + std::to_string(index_of(pair->a)) + " and " +
+                       std::to_string(index_of(pair->b)) +
+                       (known ? " is not ascending" : " names an unknown cluster"));
     }
     return {};
-}
-
-/// Sum over the pairs of a mix of their numbers: the same for every order.
-std::uint64_t hash_of(const std::vector<VerifiedPairPtr>& edges) {
-    std::uint64_t sum = 0;
-    for (const VerifiedPairPtr& edge : edges) {
-        std::uint64_t value = (static_cast<std::uint64_t>(index_of(edge->pair.first)) << 32U) |
-                              index_of(edge->pair.second);
-        value = (value ^ (value >> 31U)) * 0x7FB5D329728EA185ULL;
-        value = (value ^ (value >> 27U)) * 0x81DADEF4BC2DD44DULL;
-        sum += value ^ (value >> 33U);
-    }
-    return sum;
 }
 
 /// A pair of clusters with models, and its constraint: when it is known already, as it is.
@@ -92,23 +76,21 @@ std::vector<PairTask> list_pairs(const MergeProblem& problem) {
         known[{constraint.a, constraint.b}] = &constraint;
     }
     std::vector<PairTask> tasks;
-    for (const ClusterPairEdges& pair : problem.pairs) {
+    for (const ClusterPairEdgesPtr& pair : problem.pairs) {
         PairTask task;
-        task.edges = &pair;
-        task.a = find_cluster(problem, pair.a);
-        task.b = find_cluster(problem, pair.b);
+        task.edges = pair.get();
+        task.a = find_cluster(problem, pair->a);
+        task.b = find_cluster(problem, pair->b);
         if (!has_model(*task.a) || !has_model(*task.b)) continue;
-        const std::uint64_t hash = hash_of(pair.edges);
-        const auto found = known.find({pair.a, pair.b});
+        const auto found = known.find({pair->a, pair->b});
         if (found != known.end()) {
             task.before = found->second;
             task.known = task.before->revision_a == task.a->revision &&
                          task.before->revision_b == task.b->revision &&
-                         task.before->edges_given == pair.edges.size() &&
-                         task.before->edges_hash == hash;
+                         task.before->edges_given == pair->edges.size() &&
+                         task.before->edges_hash == pair->hash;
         }
         if (task.known) task.constraint = *task.before;
-        task.constraint.edges_hash = hash;
         tasks.push_back(std::move(task));
     }
     return tasks;
@@ -136,7 +118,6 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
     }
     for (PairTask& task : tasks) {
         if (task.known) continue;
-        const std::uint64_t hash = task.constraint.edges_hash;
         task.constraint = estimate_cluster_constraint(indices.at(task.a), indices.at(task.b),
                                                       task.edges->edges, options, task.before);
         task.constraint.a = task.a->id;
@@ -144,7 +125,7 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
         task.constraint.revision_a = task.a->revision;
         task.constraint.revision_b = task.b->revision;
         task.constraint.edges_given = static_cast<std::uint32_t>(task.edges->edges.size());
-        task.constraint.edges_hash = hash;
+        task.constraint.edges_hash = task.edges->hash;
     }
 }
 

@@ -23,8 +23,8 @@
 namespace psfm {
 
 struct MergeProblem {
-    std::vector<MergeCluster> clusters;   ///< ascending by id
-    std::vector<ClusterPairEdges> pairs;  ///< ascending by (a, b), each at most once
+    std::vector<MergeCluster> clusters;      ///< ascending by id
+    std::vector<ClusterPairEdgesPtr> pairs;  ///< ascending by (a, b), each at most once
     /// MergeResult::constraints and MergeResult::set_aside of the version before, in any order.
     std::vector<ClusterConstraint> known;
     /// MergeResult::parts of the version before.
@@ -78,7 +78,7 @@ std::vector<ClusterId> clusters_to_look_into(const MergeProblem& problem);
 /// poses of clusters that constraints connect when that is so of all of them: what a version costs
 /// follows from what has changed, but for laying it out in one frame.
 ///
-/// @errors kInvalidArgument (lists not ascending, unknown clusters, null edges, options)
+/// @errors kInvalidArgument (lists not ascending, unknown clusters, options)
 /// Deterministic: bitwise equal for equal inputs. Thread-safe.
 Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options);
 

@@ -38,8 +38,8 @@ void expect_same(const MergeResult& x, const MergeResult& y) {
 /// Two parts of a ring: clusters 0 and 1, and 2 and 3.
 MergeProblem two_parts() {
     MergeProblem problem = test::cut_ring({12, 15, 10, 11}, 6).problem();
-    std::erase_if(problem.pairs, [](const ClusterPairEdges& pair) {
-        return (pair.a < ClusterId{2}) != (pair.b < ClusterId{2});
+    std::erase_if(problem.pairs, [](const ClusterPairEdgesPtr& pair) {
+        return (pair->a < ClusterId{2}) != (pair->b < ClusterId{2});
     });
     return problem;
 }
@@ -59,7 +59,7 @@ TEST(ConsistentPoses, OnlyPartsThatHaveChangedAreSolvedAgain) {
     problem.clusters[2].revision = 2;
     EXPECT_EQ(merged(problem).parts_solved, 1U);
     problem.clusters[2].revision = 1;
-    problem.pairs.front().edges.pop_back();
+    problem.pairs.front() = test::without_last_edge(*problem.pairs.front());
     EXPECT_EQ(merged(problem).parts_solved, 1U);
     problem.pairs.erase(problem.pairs.begin());
     const MergeResult alone = merged(problem);

@@ -57,13 +57,20 @@ struct CutScene {
             for (std::size_t b = a + 1; b < members.size(); ++b) {
                 std::vector<VerifiedPairPtr> edges = edges_between(a, b);
                 if (edges.empty()) continue;
-                result.pairs.push_back(
-                    {static_cast<ClusterId>(a), static_cast<ClusterId>(b), std::move(edges)});
+                result.pairs.push_back(cluster_pair_edges(
+                    static_cast<ClusterId>(a), static_cast<ClusterId>(b), std::move(edges)));
             }
         }
         return result;
     }
 };
+
+/// The same clusters with an edge less between them.
+inline ClusterPairEdgesPtr without_last_edge(const ClusterPairEdges& pair) {
+    std::vector<VerifiedPairPtr> edges = pair.edges;
+    edges.pop_back();
+    return cluster_pair_edges(pair.a, pair.b, std::move(edges));
+}
 
 /// Runs of consecutive images, `sizes` long; random gauges.
 inline CutScene cut(const synthetic::SyntheticScene& scene, const std::vector<std::uint32_t>& sizes,

@@ -152,8 +152,9 @@ class DividedTown {
             }
         }
         for (auto& [clusters, edges] : between) {
-            problem_.pairs.push_back({static_cast<ClusterId>(clusters.first),
-                                      static_cast<ClusterId>(clusters.second), std::move(edges)});
+            problem_.pairs.push_back(cluster_pair_edges(static_cast<ClusterId>(clusters.first),
+                                                        static_cast<ClusterId>(clusters.second),
+                                                        std::move(edges)));
         }
     }
 

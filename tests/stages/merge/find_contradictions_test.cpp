@@ -96,13 +96,14 @@ TEST(FindContradictions, ASmallClusterOfTheFacadeJoinsOneOfTheStreets) {
     }
     // Between the streets themselves no pair is an edge.
     for (const std::uint32_t street_number : {0U, 1U}) {
-        ClusterPairEdges between{static_cast<ClusterId>(street_number), ClusterId{2}, {}};
+        std::vector<VerifiedPairPtr> between;
         for (const VerifiedPairPtr& pair : synthetic::make_verified_pairs(scene)) {
             const auto [low, high] = std::minmax(cluster_of[index_of(pair->pair.first)],
                                                  cluster_of[index_of(pair->pair.second)]);
-            if (low == street_number && high == 2) between.edges.push_back(pair);
+            if (low == street_number && high == 2) between.push_back(pair);
         }
-        problem.pairs.push_back(between);
+        problem.pairs.push_back(cluster_pair_edges(static_cast<ClusterId>(street_number),
+                                                   ClusterId{2}, std::move(between)));
     }
     MergeOptions options;
     options.constraint.min_neighborhood_similarity = 0.0;  // as of clusters of hundreds
