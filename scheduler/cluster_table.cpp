@@ -117,7 +117,7 @@ void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
 
 void ClusterTable::set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model) {
     entry.model = std::move(model);
-    entry.depths = nullptr;
+    entry.cameras = nullptr;
     ++entry.placing_changes;
 }
 
@@ -232,17 +232,17 @@ void ClusterTable::give_up(ClusterId cluster) {
     make_dirty(found->second);
 }
 
-void ClusterTable::learn_depths(ClusterId cluster,
-                                const std::shared_ptr<const Reconstruction>& model,
-                                std::shared_ptr<const std::vector<double>> depths) {
+void ClusterTable::learn_cameras(ClusterId cluster,
+                                 const std::shared_ptr<const Reconstruction>& model,
+                                 ModelCamerasPtr cameras) {
     const auto found = entries_.find(cluster);
     if (found != entries_.end() && found->second.model == model)
-        found->second.depths = std::move(depths);
+        found->second.cameras = std::move(cameras);
 }
 
 bool ClusterTable::may_rest(const ClusterEntry& entry) {
     return !entry.rests && entry.phase == ClusterPhase::kClean && has_model(entry.model) &&
-           entry.depths && entry.material.size() == 1 &&
+           entry.cameras && entry.material.size() == 1 &&
            entry.material.front().model == entry.model && !entry.outgrown;
 }
 

@@ -15,6 +15,7 @@
 #include "graph/clustering_edit.h"
 #include "graph/reconstruction.h"
 #include "graph/scene.h"
+#include "stages/merge/model_cameras.h"
 #include "stages/reconstruction/cluster_problem.h"
 
 namespace psfm {
@@ -44,8 +45,7 @@ struct ClusterEntry {
     /// Published, without images that have left since; null before the first solve, and when fewer
     /// than mu_min are left.
     std::shared_ptr<const Reconstruction> model;
-    /// MergeResult::depths of the model; null: it was not merged yet.
-    std::shared_ptr<const std::vector<double>> depths;
+    ModelCamerasPtr cameras;  ///< of the model; null: it was not merged yet
     /// Counts what may have changed in which images of the model are placed by this cluster, and in
     /// their edges of the view graph.
     std::uint64_t placing_changes = 0;
@@ -142,8 +142,8 @@ class ClusterTable {
     void give_up(ClusterId cluster);
 
     /// What a merge found of a cluster's model; nothing happens where it has another one by now.
-    void learn_depths(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,
-                      std::shared_ptr<const std::vector<double>> depths);
+    void learn_cameras(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,
+                       ModelCamerasPtr cameras);
     /// Whether the store has all that the next solve of a cluster, or a merge, will ask of it: the
     /// cluster is clean, and its material is its published model, which was merged.
     static bool may_rest(const ClusterEntry& entry);

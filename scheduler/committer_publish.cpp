@@ -16,10 +16,10 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
                                        std::chrono::duration<double, std::milli>(message.merge_ms));
     if (!message.result->ok()) return message.result->error();
     const MergeResult& merged = message.result->value().merge;
-    for (const auto& [id, depths] : merged.depths) {
+    for (const auto& [id, cameras] : merged.cameras) {
         const auto& clusters = message.problem->clusters;
         const auto cluster = std::ranges::lower_bound(clusters, id, {}, &MergeCluster::id);
-        state_.clusters.learn_depths(id, cluster->model, depths);
+        state_.clusters.learn_cameras(id, cluster->model, cameras);
     }
     state_.models.release(state_.clusters);
     auto scene = std::make_shared<Scene>();
@@ -63,7 +63,7 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     state_.constraints = merged.constraints;
     state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
                               merged.set_aside.end());
-    state_.parts = merged.parts;
+    state_.known_poses = merged.known_poses;
     state_.scene = scene;
     PublishMessage publish;
     publish.scene = scene;

@@ -7,7 +7,7 @@
 #include "stages/clustering/host_cluster.h"
 #include "stages/clustering/keep_apart.h"
 #include "stages/features/assign_camera.h"
-#include "stages/merge/find_contradictions.h"
+#include "stages/merge/model_cameras.h"
 
 namespace psfm {
 namespace {
@@ -94,7 +94,7 @@ Result<void> restore_models(const SessionReader& store, const StoredCluster& sto
         if (!entry.model->empty()) {
             entry.material = {{stored.id, stored.revision, entry.model}};
             entry.material_state = solve_state.state;
-            entry.depths = std::make_shared<const std::vector<double>>(mean_depths(*entry.model));
+            entry.cameras = cameras_of(*entry.model);
         }
     }
     if (entry.solved_topology >= entry.transfer_topology) return {};

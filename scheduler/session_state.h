@@ -58,7 +58,7 @@ struct SessionState {
     EdgesBetweenClusters between;                ///< as of the last version
     ResidentModels models;                       ///< which of the clusters rest
     std::vector<ClusterConstraint> constraints;  ///< MergeProblem::known of the next version
-    std::vector<SolvedPartPtr> parts;            ///< MergeProblem::known_parts of it
+    KnownPoses known_poses;                      ///< MergeProblem::known_poses of it
     ScenePtr scene = std::make_shared<const Scene>();
     SessionCounts counts;
     /// The last joins, splits, transfers and resets, oldest first; at most kPastEvents.

@@ -10,11 +10,11 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <utility>
 
 #include "stages/merge/contract_signed_graph.h"
-#include "stages/merge/find_contradictions.h"
 
 namespace psfm {
 namespace {
@@ -50,6 +50,21 @@ Part whole(const ClusterNetwork& network) {
     return all;
 }
 
+/// The place of a cluster among a part's.
+std::uint32_t place_in(const Part& part, std::uint32_t cluster) {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(part.clusters, cluster) -
+                                      part.clusters.begin());
+}
+
+std::vector<LinkedModels> links_of(const ClusterNetwork& network, const Part& part) {
+    std::vector<LinkedModels> links;
+    for (const std::uint32_t l : part.links) {
+        const ClusterLink& link = network.links[l];
+        links.push_back({place_in(part, link.a), place_in(part, link.b), link.edges});
+    }
+    return links;
+}
+
 /// The pose graph of a part: its accepted constraints.
 struct PartGraph {
     std::vector<std::size_t> sizes;  ///< images of each cluster
@@ -58,10 +73,6 @@ struct PartGraph {
 };
 
 PartGraph graph_of(const ClusterNetwork& network, const Part& part) {
-    const auto place = [&](std::uint32_t cluster) {
-        return static_cast<std::uint32_t>(std::ranges::lower_bound(part.clusters, cluster) -
-                                          part.clusters.begin());
-    };
     PartGraph graph;
     for (const std::uint32_t c : part.clusters)
         graph.sizes.push_back(network.clusters[c]->model->images.size());
@@ -69,7 +80,7 @@ PartGraph graph_of(const ClusterNetwork& network, const Part& part) {
         const ClusterLink& link = network.links[part.links[l]];
         const ClusterConstraint& constraint = *link.constraint;
         if (!constraint.accepted()) continue;
-        graph.edges.push_back({place(link.a), place(link.b), constraint.b_from_a,
+        graph.edges.push_back({place_in(part, link.a), place_in(part, link.b), constraint.b_from_a,
                                constraint.anchor_in_a, constraint.extent_in_a,
                                static_cast<double>(constraint.inliers)});
         graph.link_of_edge.push_back(l);
@@ -92,31 +103,25 @@ std::vector<std::uint64_t> basis_of(const ClusterNetwork& network, const Part& p
     return basis;
 }
 
-std::vector<ImagePair> image_pairs(const ClusterNetwork& network, const Part& part) {
-    std::vector<ImagePair> pairs;
-    for (const std::uint32_t link : part.links) {
-        for (const VerifiedPairPtr& edge : network.links[link].edges->edges)
-            pairs.push_back(edge->pair);
-    }
-    std::ranges::sort(pairs);
-    return pairs;
-}
-
-/// Groups of a connected part's clusters that do not contradict each other where these poses have
-/// them, by cluster; nothing if all are one.
-std::optional<std::vector<std::uint32_t>> groups_without_contradiction(
-    const ClusterNetwork& network, const Part& part, const PartGraph& graph,
-    const ClusterPoses& poses, std::span<const ImagePair> pairs,
-    const ClusterConstraintOptions& options) {
-    /// No constraint outweighs a contradiction.
-    constexpr double kNever = -1e12;
+/// A part's models where these poses have them.
+std::vector<PlacedModel> placed_models(const ClusterNetwork& network, const Part& part,
+                                       const ClusterPoses& poses) {
     std::vector<PlacedModel> models;
     for (std::size_t k = 0; k < part.clusters.size(); ++k) {
-        const std::uint32_t c = part.clusters[k];
-        models.push_back({network.clusters[c]->model.get(), *network.depths[c],
+        const MergeCluster& cluster = *network.clusters[part.clusters[k]];
+        models.push_back({cluster.id, cluster.model.get(), network.cameras[part.clusters[k]],
                           poses.component_from_cluster[k]});
     }
-    const auto contradictions = find_contradictions(models, pairs, options);
+    return models;
+}
+
+/// Groups of a connected part's clusters that do not contradict each other, by cluster; nothing if
+/// all are one.
+std::optional<std::vector<std::uint32_t>> groups_without(
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> contradictions,
+    const PartGraph& graph) {
+    /// No constraint outweighs a contradiction.
+    constexpr double kNever = -1e12;
     if (contradictions.empty()) return std::nullopt;
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> weights;
     for (const PoseGraphEdge& edge : graph.edges) weights[{edge.a, edge.b}] = edge.weight;
@@ -124,7 +129,7 @@ std::optional<std::vector<std::uint32_t>> groups_without_contradiction(
     std::vector<SignedEdge> edges;
     edges.reserve(weights.size());
     for (const auto& [ends, weight] : weights) edges.push_back({ends.first, ends.second, weight});
-    auto groups = contract_signed_graph(part.clusters.size(), edges);
+    auto groups = contract_signed_graph(graph.sizes.size(), edges);
     if (*std::ranges::max_element(groups) == 0) return std::nullopt;
     return groups;
 }
@@ -140,18 +145,17 @@ ClusterPoses put_together(const Part& part, std::span<const Part> divided,
     all.component_from_cluster.resize(part.clusters.size());
     all.component.resize(part.clusters.size());
     all.used.assign(part.links.size(), false);
-    const auto place_in = [](const std::vector<std::uint32_t>& list, std::uint32_t value) {
-        return static_cast<std::size_t>(std::ranges::lower_bound(list, value) - list.begin());
-    };
     for (std::size_t p = 0; p < divided.size(); ++p) {
         const ClusterPoses& poses = solved[p]->poses;
         for (std::size_t k = 0; k < divided[p].clusters.size(); ++k) {
-            const std::size_t place = place_in(part.clusters, divided[p].clusters[k]);
+            const std::size_t place = place_in(part, divided[p].clusters[k]);
             all.component_from_cluster[place] = poses.component_from_cluster[k];
             all.component[place] = all.component_count + poses.component[k];
         }
-        for (std::size_t l = 0; l < divided[p].links.size(); ++l)
-            all.used[place_in(part.links, divided[p].links[l])] = poses.used[l];
+        for (std::size_t l = 0; l < divided[p].links.size(); ++l) {
+            const auto link = std::ranges::lower_bound(part.links, divided[p].links[l]);
+            all.used[static_cast<std::size_t>(link - part.links.begin())] = poses.used[l];
+        }
         all.component_count += poses.component_count;
     }
     std::map<std::uint32_t, std::uint32_t> number;
@@ -164,10 +168,9 @@ ClusterPoses put_together(const Part& part, std::span<const Part> divided,
 
 class PartSolver {
   public:
-    PartSolver(const ClusterNetwork& network, std::span<const SolvedPartPtr> known,
-               const MergeOptions& options)
-        : network_(network), options_(options) {
-        for (const SolvedPartPtr& part : known) learn(part);
+    PartSolver(const ClusterNetwork& network, const KnownPoses& known, const MergeOptions& options)
+        : network_(network), options_(options), judgements_before_(*known.judgements) {
+        for (const SolvedPartPtr& part : known.parts) learn(part);
     }
 
     /// Side by side. @param parts  each connected by constraints
@@ -188,6 +191,31 @@ class PartSolver {
 
     std::uint32_t solved() const { return solved_; }
 
+    /// Those that were asked for, and what is known of the other clusters.
+    std::shared_ptr<const PairJudgements> judgements() {
+        std::map<ClusterId, const ModelCameras*> cameras;
+        for (std::size_t c = 0; c < network_.clusters.size(); ++c)
+            cameras[network_.clusters[c]->id] = network_.cameras[c].get();
+        const auto is_current = [&](ClusterId id, const ModelCamerasPtr& judged) {
+            const auto found = cameras.find(id);
+            return found != cameras.end() && found->second == judged.get();
+        };
+        const auto clusters = [](const PairJudgement& j) { return std::pair(j.a, j.b); };
+        PairJudgements all = judgements_;
+        std::ranges::stable_sort(all, {}, clusters);
+        const auto asked = static_cast<std::ptrdiff_t>(all.size());
+        for (const PairJudgement& before : judgements_before_) {
+            const bool is_asked = std::ranges::binary_search(all.begin(), all.begin() + asked,
+                                                             clusters(before), {}, clusters);
+            if (!is_asked && is_current(before.a, before.cameras_a) &&
+                is_current(before.b, before.cameras_b))
+                all.push_back(before);
+        }
+        std::inplace_merge(all.begin(), all.begin() + asked, all.end(),
+                           [&](const auto& x, const auto& y) { return clusters(x) < clusters(y); });
+        return std::make_shared<const PairJudgements>(std::move(all));
+    }
+
   private:
     void learn(const SolvedPartPtr& part) {
         if (!known_.emplace(part->basis, part).second) return;
@@ -205,10 +233,12 @@ class PartSolver {
             return known->second;
         ++solved_;
         const PartGraph graph = graph_of(network_, part);
-        const std::vector<ImagePair> pairs = image_pairs(network_, part);
+        const std::vector<LinkedModels> links = links_of(network_, part);
         const auto contradicting = [&](const ClusterPoses& poses) {
-            return groups_without_contradiction(network_, part, graph, poses, pairs,
-                                                options_.constraint);
+            Contradictions found = find_contradictions(placed_models(network_, part, poses), links,
+                                                       judgements_before_, options_.constraint);
+            remember(std::move(found.judgements));
+            return groups_without(found.pairs, graph);
         };
         // Most folds are seen without solving anything: one wrong constraint of the tree is enough.
         if (const auto groups = contradicting(poses_along_tree(graph.edges, graph.sizes)))
@@ -234,16 +264,23 @@ class PartSolver {
         return SolvedPartPtr(solved);
     }
 
+    void remember(PairJudgements judgements) {
+        const std::lock_guard lock(judgements_mutex_);
+        std::ranges::move(judgements, std::back_inserter(judgements_));
+    }
+
     const ClusterNetwork& network_;
     const MergeOptions& options_;
+    const PairJudgements& judgements_before_;
+    std::mutex judgements_mutex_;
+    PairJudgements judgements_;  // that parts were solved with
     std::map<std::vector<std::uint64_t>, SolvedPartPtr> known_;
     std::atomic<std::uint32_t> solved_ = 0;
 };
 
 }  // namespace
 
-Result<ConsistentPoses> consistent_poses(const ClusterNetwork& network,
-                                         std::span<const SolvedPartPtr> known,
+Result<ConsistentPoses> consistent_poses(const ClusterNetwork& network, const KnownPoses& known,
                                          const MergeOptions& options) {
     const Part all = whole(network);
     const PartGraph graph = graph_of(network, all);
@@ -253,7 +290,8 @@ Result<ConsistentPoses> consistent_poses(const ClusterNetwork& network,
     const auto solved = solver.solve_all(connected);
     if (!solved) return solved.error();
     ConsistentPoses result{put_together(all, connected, *solved), {}, solver.solved()};
-    std::ranges::copy_if(*solved, std::back_inserter(result.parts), has_basis);
+    std::ranges::copy_if(*solved, std::back_inserter(result.known.parts), has_basis);
+    result.known.judgements = solver.judgements();
     return result;
 }
 

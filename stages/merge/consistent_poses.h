@@ -4,12 +4,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "graph/result.h"
 #include "stages/merge/cluster_constraint.h"
 #include "stages/merge/cluster_pose_graph.h"
+#include "stages/merge/find_contradictions.h"
 #include "stages/merge/merge_options.h"
 #include "stages/merge/place_components.h"
 
@@ -19,15 +19,15 @@ namespace psfm {
 struct ClusterLink {
     std::uint32_t a = 0;  ///< places among the clusters of the network
     std::uint32_t b = 0;
-    const ClusterPairEdges* edges = nullptr;
+    ClusterPairEdgesPtr edges;
     const ClusterConstraint* constraint = nullptr;  ///< what the edges say, accepted or not
 };
 
 /// Clusters with models, and all that ties them.
 struct ClusterNetwork {
-    std::vector<const MergeCluster*> clusters;                       ///< ascending by id
-    std::vector<std::shared_ptr<const std::vector<double>>> depths;  ///< mean_depths() of each
-    std::vector<ClusterLink> links;  ///< ascending by clusters, each pair of them once
+    std::vector<const MergeCluster*> clusters;  ///< ascending by id
+    std::vector<ModelCamerasPtr> cameras;       ///< of each model
+    std::vector<ClusterLink> links;             ///< ascending by clusters, each pair of them once
 };
 
 struct SolvedPart;
@@ -41,10 +41,18 @@ struct SolvedPart {
     std::vector<SolvedPartPtr> groups;  ///< that it fell into; none if nothing contradicts
 };
 
-struct ConsistentPoses {
-    ClusterPoses poses;                ///< `used` by link
+/// What the next call with the same options takes over where nothing that it follows from has
+/// changed, for the same result (not persistent).
+struct KnownPoses {
     std::vector<SolvedPartPtr> parts;  ///< of two clusters or more
-    std::uint32_t parts_solved = 0;    ///< of these and of what they fell into: not known before
+    /// Of clusters that came to stand near each other.
+    std::shared_ptr<const PairJudgements> judgements = std::make_shared<const PairJudgements>();
+};
+
+struct ConsistentPoses {
+    ClusterPoses poses;  ///< `used` by link
+    KnownPoses known;
+    std::uint32_t parts_solved = 0;  ///< of the parts and of what they fell into: not known before
 };
 
 /// Cluster poses such that no two clusters of a component contradict each other
@@ -53,12 +61,9 @@ struct ConsistentPoses {
 /// between the groups that come of it are left out; that is tried along the spanning tree, before
 /// anything is optimised, since one wrong constraint of the tree is enough to see most folds, and
 /// once more after it.
-/// @param known  of an earlier call with the same options, for the same result: a part that is what
-///               it was is not looked at again
 /// @errors kInternal (an exception from Ceres)
 /// Deterministic on any number of threads. Thread-safe; parts side by side (TBB).
-Result<ConsistentPoses> consistent_poses(const ClusterNetwork& network,
-                                         std::span<const SolvedPartPtr> known,
+Result<ConsistentPoses> consistent_poses(const ClusterNetwork& network, const KnownPoses& known,
                                          const MergeOptions& options);
 
 }  // namespace psfm

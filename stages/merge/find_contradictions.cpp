@@ -6,145 +6,115 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-#include <numbers>
-
-#include "stages/merge/kd_tree.h"
+#include <cstddef>
+#include <numeric>
 
 namespace psfm {
 namespace {
 
-/// A camera in the component's frame.
-struct PlacedCamera {
-    std::uint32_t cluster = 0;
-    ImageId image{};
-    Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();
-    double depth = 0.0;  ///< of what it sees: a harmonic mean; 0: it sees nothing
-};
+/// The ball about a model's cameras in the component's frame.
+struct Ball {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    double radius = 0.0;
+    double reach = 0.0;  ///< how far from a camera the farthest companion may stand
 
-struct Count {
-    std::size_t matched = 0;
-    std::size_t unmatched = 0;
+    explicit Ball(const PlacedModel& placed, const ClusterConstraintOptions& options)
+        : middle(placed.component_from_cluster * placed.cameras->middle),
+          radius(placed.component_from_cluster.scale * placed.cameras->radius),
+          reach(placed.component_from_cluster.scale * options.companion_offset *
+                placed.cameras->largest_depth) {}
 
-    bool contradicts(const ClusterConstraintOptions& options) const {
-        return unmatched >= options.min_unmatched_cameras &&
-               static_cast<double>(unmatched) >
-                   options.max_unmatched_part * static_cast<double>(matched + unmatched);
+    bool is_near(const Ball& other) const {
+        // Rounding must not hide a pair that has companions.
+        constexpr double kRounding = 1e-9;
+        const double sum = radius + other.radius + std::min(reach, other.reach);
+        return (middle - other.middle).norm() <= sum * (1.0 + kRounding);
     }
+    double low() const { return middle.x() - radius - reach; }
+    double high() const { return middle.x() + radius + reach; }
 };
 
-class Cameras {
-  public:
-    Cameras(std::span<const PlacedModel> models, std::span<const ImagePair> edges,
-            const ClusterConstraintOptions& options)
-        : edges_(edges),
-          offset_(options.companion_offset),
-          min_cosine_(std::cos(options.companion_turn_deg * std::numbers::pi / 180.0)) {
-        std::vector<Eigen::Vector3d> centres;
-        for (std::uint32_t c = 0; c < models.size(); ++c) {
-            const Sim3& frame = models[c].component_from_cluster;
-            const std::span<const double> depths = models[c].depths;
-            for (std::size_t k = 0; k < depths.size(); ++k) {
-                const RegisteredImage& image = models[c].model->images[k];
-                const Eigen::Vector3d ahead =
-                    image.cam_from_cluster.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-                cameras_.push_back(
-                    {c, image.image, frame.rotation * ahead, frame.scale * depths[k]});
-                centres.push_back(frame * image.cam_from_cluster.target_origin_in_source());
-            }
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Pairs of models that may have companions; ascending. A sweep along x.
+std::vector<Pair> near_pairs(std::span<const PlacedModel> models,
+                             const ClusterConstraintOptions& options) {
+    std::vector<Ball> balls;
+    balls.reserve(models.size());
+    for (const PlacedModel& model : models) balls.emplace_back(model, options);
+    std::vector<std::uint32_t> order(models.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::sort(order, {}, [&](std::uint32_t m) { return std::pair(balls[m].low(), m); });
+    std::vector<Pair> pairs;
+    std::vector<std::uint32_t> open;
+    for (const std::uint32_t next : order) {
+        std::erase_if(open, [&](std::uint32_t m) { return balls[m].high() < balls[next].low(); });
+        for (const std::uint32_t m : open) {
+            if (balls[m].is_near(balls[next])) pairs.push_back(std::minmax(m, next));
         }
-        tree_ = KdTree(std::move(centres));
+        open.push_back(next);
     }
+    std::ranges::sort(pairs);
+    return pairs;
+}
 
-    std::size_t size() const { return cameras_.size(); }
-    const PlacedCamera& operator[](std::size_t k) const { return cameras_[k]; }
-
-    /// Clusters that a camera stands beside cameras of, ascending, and whether it has an edge to
-    /// one of these.
-    std::vector<std::pair<std::uint32_t, bool>> companions_of(std::size_t k) const {
-        std::map<std::uint32_t, bool> clusters;
-        const PlacedCamera& own = cameras_[k];
-        const Eigen::Vector3d& centre = tree_.points()[k];
-        for (const std::uint32_t o : tree_.nearer_than(centre, offset_ * own.depth)) {
-            const PlacedCamera& other = cameras_[o];
-            // Until a cluster that lost an image is solved again, two models have it.
-            if (other.cluster == own.cluster || other.image == own.image) continue;
-            if ((tree_.points()[o] - centre).norm() >= offset_ * other.depth ||
-                own.ahead.dot(other.ahead) < min_cosine_)
-                continue;
-            bool& matched = clusters[other.cluster];
-            matched = matched ||
-                      std::ranges::binary_search(edges_, ImagePair::of(own.image, other.image));
-        }
-        return {clusters.begin(), clusters.end()};
+const PairJudgement* find_known(std::span<const PairJudgement> known, const PairJudgement& wanted,
+                                const ClusterConstraintOptions& options) {
+    const auto clusters = [](const PairJudgement& j) { return std::pair(j.a, j.b); };
+    for (const PairJudgement& before :
+         std::ranges::equal_range(known, clusters(wanted), {}, clusters)) {
+        if (before.cameras_a == wanted.cameras_a && before.cameras_b == wanted.cameras_b &&
+            before.edges_given == wanted.edges_given && before.edges_hash == wanted.edges_hash &&
+            still_holds(before.verdict, *wanted.cameras_a, before.b_from_a, wanted.b_from_a,
+                        options))
+            return &before;
     }
+    return nullptr;
+}
 
-  private:
-    std::span<const ImagePair> edges_;
-    double offset_;
-    double min_cosine_;
-    std::vector<PlacedCamera> cameras_;
-    KdTree tree_;
-};
+PairJudgement judge(const PlacedModel& a, const PlacedModel& b, const ClusterPairEdges* edges,
+                    std::span<const PairJudgement> known, const ClusterConstraintOptions& options) {
+    PairJudgement judgement{a.id, b.id, a.cameras, b.cameras, 0, 0, {}, {}};
+    std::span<const VerifiedPairPtr> pairs;
+    if (edges != nullptr) {
+        pairs = edges->edges;
+        judgement.edges_given = pairs.size();
+        judgement.edges_hash = edges->hash;
+    }
+    judgement.b_from_a = inverse(b.component_from_cluster) * a.component_from_cluster;
+    if (const PairJudgement* before = find_known(known, judgement, options)) return *before;
+    judgement.verdict = judge_companions({a.model, a.cameras.get()}, {b.model, b.cameras.get()},
+                                         judgement.b_from_a, pairs, options);
+    return judgement;
+}
 
 }  // namespace
 
-std::vector<double> mean_depths(const Reconstruction& model) {
-    // Over so many of the points that each image sees some tens.
-    constexpr std::size_t kPointsOfAnImage = 30;
-    struct Sum {
-        double inverse = 0.0;
-        std::size_t points = 0;
+Contradictions find_contradictions(std::span<const PlacedModel> models,
+                                   std::span<const LinkedModels> links,
+                                   std::span<const PairJudgement> known,
+                                   const ClusterConstraintOptions& options) {
+    Contradictions found;
+    if (options.min_unmatched_cameras == 0) return found;
+    const std::vector<Pair> pairs = near_pairs(models, options);
+    const auto edges_of = [&](const Pair& pair) -> const ClusterPairEdges* {
+        const auto link = std::ranges::lower_bound(
+            links, pair, {}, [](const LinkedModels& l) { return std::pair(l.a, l.b); });
+        const bool is_linked = link != links.end() && Pair(link->a, link->b) == pair;
+        return is_linked ? link->edges.get() : nullptr;
     };
-    std::vector<Sum> sums(model.images.size());
-    const std::size_t step =
-        std::max<std::size_t>(1, 3 * model.points.size() / (kPointsOfAnImage * sums.size()));
-    for (std::size_t p = 0; p < model.points.size(); p += step) {
-        const ScenePoint& point = model.points[p];
-        auto image = model.images.begin();  // both ascend by image
-        for (const Observation& seen : point.track) {
-            image = std::lower_bound(image, model.images.end(), seen.image,
-                                     [](const RegisteredImage& registered, ImageId id) {
-                                         return registered.image < id;
-                                     });
-            const double depth = (image->cam_from_cluster * point.position).z();
-            if (!(depth > 0.0)) continue;
-            Sum& sum = sums[static_cast<std::size_t>(image - model.images.begin())];
-            sum.inverse += 1.0 / depth;
-            ++sum.points;
-        }
-    }
-    std::vector<double> depths(sums.size(), 0.0);
-    for (std::size_t k = 0; k < sums.size(); ++k) {
-        if (sums[k].points > 0) depths[k] = static_cast<double>(sums[k].points) / sums[k].inverse;
-    }
-    return depths;
-}
-
-std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contradictions(
-    std::span<const PlacedModel> models, std::span<const ImagePair> edges,
-    const ClusterConstraintOptions& options) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> contradictions;
-    if (options.min_unmatched_cameras == 0 || models.size() < 2) return contradictions;
-    const Cameras cameras(models, edges, options);
-    std::vector<std::vector<std::pair<std::uint32_t, bool>>> companions(cameras.size());
+    found.judgements.resize(pairs.size());
     // Isolated: a version is not to wait for a solve that this thread takes up in between.
     tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, cameras.size(),
-                          [&](std::size_t k) { companions[k] = cameras.companions_of(k); });
+        tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t p) {
+            const auto& [a, b] = pairs[p];
+            found.judgements[p] = judge(models[a], models[b], edges_of(pairs[p]), known, options);
+        });
     });
-    std::map<std::pair<std::uint32_t, std::uint32_t>, Count> counts;
-    for (std::size_t k = 0; k < cameras.size(); ++k) {
-        for (const auto& [cluster, matched] : companions[k]) {
-            Count& count = counts[std::minmax(cameras[k].cluster, cluster)];
-            ++(matched ? count.matched : count.unmatched);
-        }
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+        if (found.judgements[p].verdict.contradict) found.pairs.push_back(pairs[p]);
     }
-    for (const auto& [clusters, count] : counts) {
-        if (count.contradicts(options)) contradictions.push_back(clusters);
-    }
-    return contradictions;
+    return found;
 }
 
 }  // namespace psfm

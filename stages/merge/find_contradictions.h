@@ -3,37 +3,66 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "graph/ids.h"
 #include "graph/reconstruction.h"
 #include "graph/sim3.h"
-#include "graph/two_view_geometry.h"
+#include "stages/merge/cluster_constraint.h"
+#include "stages/merge/companions.h"
 #include "stages/merge/merge_options.h"
+#include "stages/merge/model_cameras.h"
 
 namespace psfm {
 
-/// How far away is what the images of a model see: a harmonic mean over some of the points, in the
-/// model's units; 0 for an image that sees nothing. By image, as in Reconstruction::images.
-std::vector<double> mean_depths(const Reconstruction& model);
-
 /// A cluster in the frame of its component.
 struct PlacedModel {
+    ClusterId id{};
     const Reconstruction* model = nullptr;
-    std::span<const double> depths;  ///< mean_depths(*model)
+    ModelCamerasPtr cameras;  ///< of the model
     Sim3 component_from_cluster;
+};
+
+/// Edges of the view graph between two of the models, by their positions; a < b.
+struct LinkedModels {
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;
+    ClusterPairEdgesPtr edges;
+};
+
+/// What was found of two clusters, and what it rests on (not persistent).
+struct PairJudgement {
+    ClusterId a{};  ///< a < b
+    ClusterId b{};
+    ModelCamerasPtr cameras_a;
+    ModelCamerasPtr cameras_b;
+    std::size_t edges_given = 0;
+    std::uint64_t edges_hash = 0;
+    Sim3 b_from_a;
+    CompanionVerdict verdict;
+};
+using PairJudgements = std::vector<PairJudgement>;  ///< ascending by (a, b)
+
+struct Contradictions {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< positions, ascending
+    PairJudgements judgements;  ///< of all models that are near each other
 };
 
 /// Clusters of one component that cannot both stand where they do: most cameras of one that come to
 /// stand beside cameras of the other, looking the same way, share nothing with them. Not only of
 /// neighbours: a small cluster of a facade that two streets have may stand right beside either.
-/// @param edges  of the view graph, ascending by images; those within clusters may be left out
-/// @return pairs of positions in `models`, ascending
-/// Deterministic on any number of threads. Thread-safe. Cost: one search an image among all
-/// centres.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contradictions(
-    std::span<const PlacedModel> models, std::span<const ImagePair> edges,
-    const ClusterConstraintOptions& options);
+/// @param models  ascending by id
+/// @param links   ascending by positions; all of these models
+/// @param known   what a call with the same options said before: two clusters that have not moved
+///                against each other since, but for a little, are not looked at again. The result
+///                is the same without
+/// Deterministic on any number of threads. Thread-safe.
+Contradictions find_contradictions(std::span<const PlacedModel> models,
+                                   std::span<const LinkedModels> links,
+                                   std::span<const PairJudgement> known,
+                                   const ClusterConstraintOptions& options);
 
 }  // namespace psfm

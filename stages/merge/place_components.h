@@ -17,6 +17,7 @@
 #include "stages/merge/georeference.h"
 #include "stages/merge/image_evidence.h"
 #include "stages/merge/merge_options.h"
+#include "stages/merge/model_cameras.h"
 
 namespace psfm {
 
@@ -25,8 +26,7 @@ struct MergeCluster {
     ClusterId id{};
     std::uint32_t revision = 0;                   ///< changes whenever the model does
     std::shared_ptr<const Reconstruction> model;  ///< null or empty while unsolved
-    /// MergeResult::depths of this model; null: not known yet.
-    std::shared_ptr<const std::vector<double>> depths = nullptr;
+    ModelCamerasPtr cameras = nullptr;            ///< of this model; null: not known yet
 };
 
 /// Clusters that stand in one frame: an effective cluster.

@@ -18,7 +18,6 @@
 
 #include "stages/merge/cluster_index.h"
 #include "stages/merge/estimate_cluster_constraint.h"
-#include "stages/merge/find_contradictions.h"
 #include "stages/merge/place_components.h"
 
 namespace psfm {
@@ -62,7 +61,7 @@ Result<void> check(const MergeProblem& problem) {
 
 /// A pair of clusters with models, and its constraint: when it is known already, as it is.
 struct PairTask {
-    const ClusterPairEdges* edges = nullptr;
+    ClusterPairEdgesPtr edges;
     const MergeCluster* a = nullptr;
     const MergeCluster* b = nullptr;
     ClusterConstraint constraint;
@@ -78,7 +77,7 @@ std::vector<PairTask> list_pairs(const MergeProblem& problem) {
     std::vector<PairTask> tasks;
     for (const ClusterPairEdgesPtr& pair : problem.pairs) {
         PairTask task;
-        task.edges = pair.get();
+        task.edges = pair;
         task.a = find_cluster(problem, pair->a);
         task.b = find_cluster(problem, pair->b);
         if (!has_model(*task.a) || !has_model(*task.b)) continue;
@@ -137,7 +136,7 @@ ClusterNetwork network_of(const MergeProblem& problem, const std::vector<PairTas
         if (!has_model(cluster)) continue;
         number[cluster.id] = static_cast<std::uint32_t>(network.clusters.size());
         network.clusters.push_back(&cluster);
-        network.depths.push_back(cluster.depths);
+        network.cameras.push_back(cluster.cameras);
     }
     for (const PairTask& task : tasks) {
         network.links.push_back({number.at(task.constraint.a), number.at(task.constraint.b),
@@ -145,23 +144,22 @@ ClusterNetwork network_of(const MergeProblem& problem, const std::vector<PairTas
     }
     // Isolated: a version is not to wait for a solve that this thread takes up in between.
     tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, network.depths.size(), [&](std::size_t c) {
-            if (network.depths[c]) return;
-            network.depths[c] = std::make_shared<const std::vector<double>>(
-                mean_depths(*network.clusters[c]->model));
+        tbb::parallel_for(std::size_t{0}, network.cameras.size(), [&](std::size_t c) {
+            if (!network.cameras[c]) network.cameras[c] = cameras_of(*network.clusters[c]->model);
         });
     });
     return network;
 }
 
-/// The components; of the result, depths and parts; which of the constraints are used.
+/// The components; of the result, what the next merge is to know; which of the constraints are
+/// used.
 Result<std::vector<Component>> solve_components(const MergeProblem& problem,
                                                 std::vector<PairTask>& tasks,
                                                 const MergeOptions& options, MergeResult& result) {
     const ClusterNetwork network = network_of(problem, tasks);
     for (std::size_t c = 0; c < network.clusters.size(); ++c)
-        result.depths.emplace_back(network.clusters[c]->id, network.depths[c]);
-    auto solved = consistent_poses(network, problem.known_parts, options);
+        result.cameras.emplace_back(network.clusters[c]->id, network.cameras[c]);
+    auto solved = consistent_poses(network, problem.known_poses, options);
     if (!solved) return solved.error();
     const ClusterPoses& poses = solved->poses;
     for (std::size_t t = 0; t < tasks.size(); ++t) tasks[t].constraint.used = poses.used[t];
@@ -172,7 +170,7 @@ Result<std::vector<Component>> solve_components(const MergeProblem& problem,
         component.component_from_cluster.push_back(poses.component_from_cluster[c]);
         component.placed += network.clusters[c]->model->images.size();
     }
-    result.parts = std::move(solved->parts);
+    result.known_poses = std::move(solved->known);
     result.parts_solved = solved->parts_solved;
     std::ranges::sort(components, [](const Component& x, const Component& y) {
         return std::tuple(y.placed, x.clusters.front()->id) <

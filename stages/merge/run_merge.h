@@ -27,8 +27,7 @@ struct MergeProblem {
     std::vector<ClusterPairEdgesPtr> pairs;  ///< ascending by (a, b), each at most once
     /// MergeResult::constraints and MergeResult::set_aside of the version before, in any order.
     std::vector<ClusterConstraint> known;
-    /// MergeResult::parts of the version before.
-    std::vector<SolvedPartPtr> known_parts;
+    KnownPoses known_poses;               ///< MergeResult::known_poses of the version before
     ScenePtr previous;                    ///< the published version before; null for the first
     std::vector<ImageEvidence> evidence;  ///< of the session, ascending by image; may be empty
 };
@@ -54,17 +53,16 @@ struct MergeResult {
     /// What each effective cluster that holds a model stands on, by its number.
     std::vector<ComponentPlace> places;
     std::optional<GpsPosition> datum;  ///< see PlacedComponents
-    /// mean_depths() of each model, ascending by cluster.
-    std::vector<std::pair<ClusterId, std::shared_ptr<const std::vector<double>>>> depths;
-    /// Poses that the next merge takes over where nothing that they follow from has changed.
-    std::vector<SolvedPartPtr> parts;
+    /// Of each model, ascending by cluster.
+    std::vector<std::pair<ClusterId, ModelCamerasPtr>> cameras;
+    KnownPoses known_poses;
     std::uint32_t reused = 0;        ///< constraints taken from MergeProblem::known
-    std::uint32_t parts_solved = 0;  ///< of `parts` and what they fell into: not known before
+    std::uint32_t parts_solved = 0;  ///< see ConsistentPoses
     std::uint32_t dropped = 0;       ///< accepted constraints that the pose graph contradicts
 };
 
 /// Clusters whose points run_merge() looks at: those with a constraint that is not known. The
-/// others may come without, as long as their depths are known. Ascending.
+/// others may come without, as long as their cameras are known. Ascending.
 std::vector<ClusterId> clusters_to_look_into(const MergeProblem& problem);
 
 /// Puts the clusters' models into one frame (paper sec. "Cluster Pose Estimation"):

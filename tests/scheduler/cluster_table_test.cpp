@@ -367,7 +367,7 @@ TEST(ClusterTable, CleanClustersRestWhenTheyAreRestored) {
         table.restore(entry);
         entry.model = solve_of(entry, entry.members).solution.model;
         entry.material = {{entry.id, entry.revision, entry.model}};
-        entry.depths = std::make_shared<const std::vector<double>>(3, 1.0);
+        entry.cameras = std::make_shared<const ModelCameras>();
         table.restore_models(entry);
         EXPECT_EQ(table.entries().at(cluster(0)).rests, !is_dirty);
         EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2})});
@@ -381,18 +381,18 @@ TEST(ClusterTable, WhatAMergeFoundIsOfTheModelThatItHad) {
     solve_dirty(table);
     const ClusterEntry& entry = table.entries().at(cluster(0));
     const auto merged = entry.model;
-    const auto depths = std::make_shared<const std::vector<double>>(3, 1.0);
+    const auto cameras = std::make_shared<const ModelCameras>();
     EXPECT_FALSE(ClusterTable::may_rest(entry)) << "not merged yet";
-    table.learn_depths(cluster(0), merged, depths);
-    EXPECT_EQ(entry.depths, depths);
+    table.learn_cameras(cluster(0), merged, cameras);
+    EXPECT_EQ(entry.cameras, cameras);
     EXPECT_TRUE(ClusterTable::may_rest(entry));
     table.apply(members(0, {0, 1, 2, 3}));
     EXPECT_FALSE(ClusterTable::may_rest(entry));
     solve_dirty(table);
-    EXPECT_EQ(entry.depths, nullptr);
-    table.learn_depths(cluster(0), merged, depths);
-    EXPECT_EQ(entry.depths, nullptr) << "of the model before";
-    table.learn_depths(cluster(7), merged, depths);
+    EXPECT_EQ(entry.cameras, nullptr);
+    table.learn_cameras(cluster(0), merged, cameras);
+    EXPECT_EQ(entry.cameras, nullptr) << "of the model before";
+    table.learn_cameras(cluster(7), merged, cameras);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ class ResidentModelsTest : public ::testing::Test {
         entry.topology = entry.solved_topology = 1;
         entry.revision = solution.revision;
         entry.model = solution.model;
-        entry.depths = std::make_shared<const std::vector<double>>(kImages, 1.0);
+        entry.cameras = std::make_shared<const ModelCameras>();
         entry.material = {{kCluster, entry.revision, entry.model}};
         table_.restore(std::move(entry));
         models_.set_budget(0);

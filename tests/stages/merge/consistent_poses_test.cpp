@@ -48,12 +48,12 @@ TEST(ConsistentPoses, OnlyPartsThatHaveChangedAreSolvedAgain) {
     MergeProblem problem = two_parts();
     const MergeResult first = merged(problem);
     EXPECT_EQ(first.effective_clusters, 2U);
-    ASSERT_EQ(first.parts.size(), 2U);
+    ASSERT_EQ(first.known_poses.parts.size(), 2U);
     EXPECT_EQ(first.parts_solved, 2U);
-    problem.known_parts = first.parts;
+    problem.known_poses = first.known_poses;
     const MergeResult same = merged(problem);
     EXPECT_EQ(same.parts_solved, 0U);
-    EXPECT_EQ(same.parts, first.parts);
+    EXPECT_EQ(same.known_poses.parts, first.known_poses.parts);
     expect_same(same, first);
 
     problem.clusters[2].revision = 2;
@@ -65,14 +65,14 @@ TEST(ConsistentPoses, OnlyPartsThatHaveChangedAreSolvedAgain) {
     const MergeResult alone = merged(problem);
     EXPECT_EQ(alone.effective_clusters, 3U);
     EXPECT_EQ(alone.parts_solved, 0U) << "a cluster by itself is no part";
-    EXPECT_EQ(alone.parts.size(), 1U);
+    EXPECT_EQ(alone.known_poses.parts.size(), 1U);
 }
 
 TEST(ConsistentPoses, PartsThatContradictThemselvesFallIntoGroupsThatAreKnownNextTime) {
     test::DividedTown town(600, 40, 0.4);
     const MergeResult first = merged(town.problem());
     const auto falls_apart = [](const SolvedPartPtr& part) { return !part->groups.empty(); };
-    ASSERT_TRUE(std::ranges::any_of(first.parts, falls_apart));
+    ASSERT_TRUE(std::ranges::any_of(first.known_poses.parts, falls_apart));
     const auto [wrong, used] = town.wrong_ones(first);
     EXPECT_LT(4 * wrong, used) << wrong << " of " << used << " are folds";
     EXPECT_GE(used, town.problem().clusters.size() / 2);
@@ -85,7 +85,8 @@ TEST(ConsistentPoses, PartsThatContradictThemselvesFallIntoGroupsThatAreKnownNex
         town.change(5 * changed);
         const MergeResult with = merged(town.problem());
         MergeProblem without = town.problem();
-        without.known_parts.clear();
+        without.known_poses = {};
+        ASSERT_FALSE(town.problem().known_poses.judgements->empty());
         const MergeResult anew = merged(without);
         expect_same(with, anew);
         solved += with.parts_solved;

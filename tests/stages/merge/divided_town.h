@@ -63,16 +63,16 @@ class DividedTown {
         for (ScenePoint& point : points) point.position = gauge * bent(point.position);
         model.points = std::move(points);
         changed.model = std::make_shared<const Reconstruction>(std::move(model));
-        changed.depths = nullptr;
+        changed.cameras = nullptr;
     }
 
     /// Takes over what a merge came to, as the scheduler does.
     void take_over(const MergeResult& result) {
         problem_.previous = publish(problem_, result);
         problem_.known = result.constraints;
-        problem_.known_parts = result.parts;
-        for (std::size_t c = 0; c < result.depths.size(); ++c)
-            problem_.clusters[c].depths = result.depths[c].second;
+        problem_.known_poses = result.known_poses;
+        for (std::size_t c = 0; c < result.cameras.size(); ++c)
+            problem_.clusters[c].cameras = result.cameras[c].second;
     }
 
     /// Used constraints that do not tell where the clusters truly stand; and all used ones.

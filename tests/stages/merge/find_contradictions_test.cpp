@@ -32,24 +32,27 @@ std::vector<ImageId> street(std::uint32_t first) {
 /// Both streets as clusters of one component.
 struct Placed {
     std::vector<Reconstruction> models;
-    std::vector<ImagePair> edges;
+    std::vector<VerifiedPairPtr> edges;
 
     explicit Placed(const SyntheticScene& scene) {
         for (const std::uint32_t first : {0U, 1U}) {
             models.push_back(synthetic::true_reconstruction(
                 scene, synthetic::random_gauge(7 + first), street(first)));
         }
-        for (const VerifiedPairPtr& pair : synthetic::make_verified_pairs(scene))
-            edges.push_back(pair->pair);
+        for (const VerifiedPairPtr& pair : synthetic::make_verified_pairs(scene)) {
+            const auto [first, second] = pair->pair;
+            if (index_of(first) % 2 != index_of(second) % 2) edges.push_back(pair);
+        }
     }
 
     std::size_t contradictions(const Sim3& shift, const ClusterConstraintOptions& options = {}) {
-        const std::vector<double> first = mean_depths(models[0]);
-        const std::vector<double> second = mean_depths(models[1]);
-        const std::vector<PlacedModel> placed{
-            {models.data(), first, inverse(synthetic::random_gauge(7))},
-            {&models[1], second, shift * inverse(synthetic::random_gauge(8))}};
-        return find_contradictions(placed, edges, options).size();
+        const std::vector<PlacedModel> placed{{ClusterId{0}, models.data(), cameras_of(models[0]),
+                                               inverse(synthetic::random_gauge(7))},
+                                              {ClusterId{1}, &models[1], cameras_of(models[1]),
+                                               shift * inverse(synthetic::random_gauge(8))}};
+        const std::vector<LinkedModels> links{
+            {0, 1, cluster_pair_edges(ClusterId{0}, ClusterId{1}, edges)}};
+        return find_contradictions(placed, links, {}, options).pairs.size();
     }
 };
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "stages/merge/find_contradictions.h"
 #include "stages/merge/keep_frame.h"
+#include "stages/merge/model_cameras.h"
 #include "tests/stages/merge/cut_scene.h"
 
 namespace psfm {
@@ -188,11 +188,11 @@ TEST(RunMerge, LooksAtThePointsOfClustersThatChangedAndOfTheirNeighborsOnly) {
     EXPECT_EQ(asked, (std::vector{ClusterId{0}, ClusterId{1}, ClusterId{3}}));
     const MergeResult whole = merged(problem);
 
-    ASSERT_EQ(first.depths.size(), 4U);
+    ASSERT_EQ(first.cameras.size(), 4U);
     for (std::size_t c = 0; c < 4; ++c) {
-        EXPECT_EQ(first.depths[c].first, problem.clusters[c].id);
-        EXPECT_EQ(*first.depths[c].second, mean_depths(*problem.clusters[c].model));
-        problem.clusters[c].depths = first.depths[c].second;
+        EXPECT_EQ(first.cameras[c].first, problem.clusters[c].id);
+        EXPECT_EQ(first.cameras[c].second->depths, mean_depths(*problem.clusters[c].model));
+        problem.clusters[c].cameras = first.cameras[c].second;
     }
     auto poses = std::make_shared<Reconstruction>(*problem.clusters[2].model);
     poses->points = {};
@@ -201,7 +201,7 @@ TEST(RunMerge, LooksAtThePointsOfClustersThatChangedAndOfTheirNeighborsOnly) {
     for (std::size_t c = 0; c < 4; ++c) {
         EXPECT_EQ(without.placements[c].world_from_cluster.translation,
                   whole.placements[c].world_from_cluster.translation);
-        EXPECT_EQ(without.depths[c].second, first.depths[c].second);
+        EXPECT_EQ(without.cameras[c].second, first.cameras[c].second);
     }
 }
 
