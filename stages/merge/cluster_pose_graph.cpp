@@ -159,6 +159,9 @@ enum class Precision : std::uint8_t { kRough, kFull };
 /// Ours, tuned on merge_bench with copied facades.
 constexpr std::uint32_t kRoughIterations = 10;
 constexpr double kRoughTolerance = 1e-3;
+/// Of kFull: damping at the start would only hold it back, since it begins near the optimum. Three
+/// iterations instead of nine on merge_bench. Ours.
+constexpr double kUndamped = 1e8;
 
 void optimize(std::span<const PoseGraphEdge> edges, const std::vector<bool>& used, Start& start,
               const PoseGraphOptions& options, Precision precision) {
@@ -197,6 +200,7 @@ void optimize(std::span<const PoseGraphEdge> edges, const std::vector<bool>& use
     const bool rough = precision == Precision::kRough;
     solver.max_num_iterations = static_cast<int>(
         rough ? std::min(kRoughIterations, options.max_iterations) : options.max_iterations);
+    if (!rough) solver.initial_trust_region_radius = kUndamped;
     solver.function_tolerance = rough ? kRoughTolerance : 1e-12;
     solver.parameter_tolerance = 1e-12;
     solver.gradient_tolerance = 1e-14;
