@@ -30,14 +30,8 @@ std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable
             placing_[index_of(image.image)] = id;
         }
     }
-    std::map<ClusterPair, std::vector<VerifiedPairPtr>> found;
-    for (const ClusterId id : changed) collect(id, view_graph, found);
-    for (auto& [pair, edges] : found) {
-        // Found from both ends where both have changed.
-        std::ranges::sort(edges, {}, [](const VerifiedPairPtr& edge) { return edge->pair; });
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    for (auto& [pair, edges] : collect(changed, view_graph))
         between_[pair] = cluster_pair_edges(pair.first, pair.second, std::move(edges));
-    }
     std::vector<ClusterPairEdgesPtr> pairs;
     pairs.reserve(between_.size());
     for (const auto& [pair, edges] : between_) pairs.push_back(edges);
@@ -55,16 +49,22 @@ void EdgesBetweenClusters::forget(const std::vector<ClusterId>& clusters) {
     });
 }
 
-void EdgesBetweenClusters::collect(
-    ClusterId cluster, const ViewGraph& view_graph,
-    std::map<ClusterPair, std::vector<VerifiedPairPtr>>& found) const {
-    for (const ImageId image : placed_.at(cluster).images) {
-        for (const ViewGraph::Edge& edge : view_graph.edges(image)) {
-            const std::optional<ClusterId>& other = placing_[index_of(edge.neighbor)];
-            if (other && *other != cluster)
+std::map<EdgesBetweenClusters::ClusterPair, std::vector<VerifiedPairPtr>>
+EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed,
+                              const ViewGraph& view_graph) const {
+    std::map<ClusterPair, std::vector<VerifiedPairPtr>> found;
+    for (const ClusterId cluster : changed) {
+        for (const ImageId image : placed_.at(cluster).images) {
+            for (const ViewGraph::Edge& edge : view_graph.edges(image)) {
+                const std::optional<ClusterId>& other = placing_[index_of(edge.neighbor)];
+                if (!other || *other == cluster) continue;
+                // Where both have changed, it is found from the first one.
+                if (*other < cluster && std::ranges::binary_search(changed, *other)) continue;
                 found[std::minmax(cluster, *other)].push_back(edge.pair);
+            }
         }
     }
+    return found;
 }
 
 }  // namespace psfm

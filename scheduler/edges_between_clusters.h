@@ -33,8 +33,9 @@ class EdgesBetweenClusters {
 
     /// Forgets what these placed, and their edges.
     void forget(const std::vector<ClusterId>& clusters);
-    void collect(ClusterId cluster, const ViewGraph& view_graph,
-                 std::map<ClusterPair, std::vector<VerifiedPairPtr>>& found) const;
+    /// Each edge of a changed cluster once. @param changed  ascending
+    std::map<ClusterPair, std::vector<VerifiedPairPtr>> collect(
+        const std::vector<ClusterId>& changed, const ViewGraph& view_graph) const;
 
     std::map<ClusterId, Placed> placed_;
     std::vector<std::optional<ClusterId>> placing_;  ///< by image

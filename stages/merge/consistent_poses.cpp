@@ -200,19 +200,19 @@ class PartSolver {
             const auto found = cameras.find(id);
             return found != cameras.end() && found->second == judged.get();
         };
-        const auto clusters = [](const PairJudgement& j) { return std::pair(j.a, j.b); };
         PairJudgements all = judgements_;
-        std::ranges::stable_sort(all, {}, clusters);
+        std::ranges::stable_sort(all, {}, clusters_of);
         const auto asked = static_cast<std::ptrdiff_t>(all.size());
         for (const PairJudgement& before : judgements_before_) {
             const bool is_asked = std::ranges::binary_search(all.begin(), all.begin() + asked,
-                                                             clusters(before), {}, clusters);
+                                                             clusters_of(before), {}, clusters_of);
             if (!is_asked && is_current(before.a, before.cameras_a) &&
                 is_current(before.b, before.cameras_b))
                 all.push_back(before);
         }
-        std::inplace_merge(all.begin(), all.begin() + asked, all.end(),
-                           [&](const auto& x, const auto& y) { return clusters(x) < clusters(y); });
+        std::inplace_merge(
+            all.begin(), all.begin() + asked, all.end(),
+            [&](const auto& x, const auto& y) { return clusters_of(x) < clusters_of(y); });
         return std::make_shared<const PairJudgements>(std::move(all));
     }
 

@@ -60,9 +60,8 @@ std::vector<Pair> near_pairs(std::span<const PlacedModel> models,
 
 const PairJudgement* find_known(std::span<const PairJudgement> known, const PairJudgement& wanted,
                                 const ClusterConstraintOptions& options) {
-    const auto clusters = [](const PairJudgement& j) { return std::pair(j.a, j.b); };
     for (const PairJudgement& before :
-         std::ranges::equal_range(known, clusters(wanted), {}, clusters)) {
+         std::ranges::equal_range(known, clusters_of(wanted), {}, clusters_of)) {
         if (before.cameras_a == wanted.cameras_a && before.cameras_b == wanted.cameras_b &&
             before.edges_given == wanted.edges_given && before.edges_hash == wanted.edges_hash &&
             still_holds(before.verdict, *wanted.cameras_a, before.b_from_a, wanted.b_from_a,

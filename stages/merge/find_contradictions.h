@@ -44,6 +44,9 @@ struct PairJudgement {
     Sim3 b_from_a;
     CompanionVerdict verdict;
 };
+inline std::pair<ClusterId, ClusterId> clusters_of(const PairJudgement& judgement) {
+    return {judgement.a, judgement.b};
+}
 using PairJudgements = std::vector<PairJudgement>;  ///< ascending by (a, b)
 
 struct Contradictions {
