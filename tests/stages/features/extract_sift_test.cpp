@@ -9,6 +9,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <tuple>
 
 #include "tests/stages/features/photo_fixture.h"
@@ -74,27 +75,54 @@ TEST(ExtractSiftTest, RepeatsItself) {
     EXPECT_EQ(first.descriptors, second.descriptors);
 }
 
-TEST(ExtractSiftTest, CutsToTheLargestOfTheCandidates) {
+std::size_t places_of(const SiftFeatures& features) {
+    std::set<std::tuple<float, float, float>> places;
+    for (const Keypoint& keypoint : features.keypoints)
+        places.emplace(keypoint.scale, keypoint.y, keypoint.x);
+    return places.size();
+}
+
+TEST(ExtractSiftTest, CutsToTheLargestPlacesAndKeepsTheirOrientations) {
     const cv::Mat image = textured_image(320, 240);
     const SiftFeatures all = extract(image);
     SiftOptions options;
     options.max_features = 50;
-    options.candidates_per_feature = 100.0;
     const SiftFeatures largest = extract(image, options);
-    ASSERT_EQ(largest.keypoints.size(), 50U);
+    EXPECT_EQ(places_of(largest), 50U);
+    ASSERT_GT(largest.keypoints.size(), 50U);  // some have two orientations
     EXPECT_TRUE(
         std::equal(largest.keypoints.begin(), largest.keypoints.end(), all.keypoints.begin()));
     EXPECT_TRUE(std::equal(largest.descriptors.values.begin(), largest.descriptors.values.end(),
                            all.descriptors.values.begin()));
-    // With fewer candidates some of the largest are missing, but all belong to the whole.
-    options.candidates_per_feature = 2.0;
-    const SiftFeatures strong = extract(image, options);
-    ASSERT_EQ(strong.keypoints.size(), 50U);
-    EXPECT_LT(strong.keypoints.back().scale, largest.keypoints.back().scale);
-    for (const Keypoint& keypoint : strong.keypoints) {
+    options.max_orientations = 1;
+    const SiftFeatures single = extract(image, options);
+    EXPECT_EQ(single.keypoints.size(), 50U);
+    EXPECT_EQ(places_of(single), 50U);
+}
+
+TEST(ExtractSiftTest, NothingLiesUnderTheMaskAndTheChoiceIsMadeOfTheRest) {
+    const cv::Mat image = textured_image(320, 240);
+    cv::Mat mask(240, 320, CV_8UC1, cv::Scalar(255));
+    mask(cv::Rect(0, 0, 160, 240)) = 0;
+    SiftOptions options;
+    options.max_features = 50;
+    const SiftFeatures all = extract(image);
+    const auto features = extract_sift(to_grey(image), image, options, mask);
+    ASSERT_TRUE(features) << features.error().message;
+    EXPECT_EQ(places_of(*features), 50U);
+    for (const Keypoint& keypoint : features->keypoints) {
+        EXPECT_GE(keypoint.x, 160.F);
         EXPECT_NE(std::find(all.keypoints.begin(), all.keypoints.end(), keypoint),
                   all.keypoints.end());
     }
+    // Of photographs that are reduced, it is the full one's mask.
+    options.max_image_size = 200;
+    const auto reduced = extract_sift(to_grey(image), image, options, mask);
+    ASSERT_TRUE(reduced);
+    EXPECT_FALSE(reduced->keypoints.empty());
+    for (const Keypoint& keypoint : reduced->keypoints) EXPECT_GE(keypoint.x, 160.F);
+    mask = 0;
+    EXPECT_TRUE(extract_sift(to_grey(image), image, options, mask)->keypoints.empty());
 }
 
 TEST(ExtractSiftTest, AnglesTurnWithTheImage) {
@@ -167,6 +195,10 @@ TEST(ExtractSiftTest, RefusesWrongInputs) {
     EXPECT_EQ(code(extract_sift(grey, grey, {})), ErrorCode::kInvalidArgument);
     EXPECT_EQ(code(extract_sift({}, {}, {})), ErrorCode::kInvalidArgument);
     EXPECT_EQ(code(extract_sift(grey, textured_image(101, 100), {})), ErrorCode::kInvalidArgument);
+    EXPECT_EQ(code(extract_sift(grey, image, {}, textured_image(100, 100))),
+              ErrorCode::kInvalidArgument);
+    EXPECT_EQ(code(extract_sift(grey, image, {}, cv::Mat(99, 100, CV_8UC1, cv::Scalar(255)))),
+              ErrorCode::kInvalidArgument);
     SiftOptions options;
     options.contrast_threshold = std::nan("");
     EXPECT_EQ(code(extract_sift(grey, image, options)), ErrorCode::kInvalidArgument);
