@@ -40,7 +40,7 @@ ImageId ViewGraph::add_node() {
 }
 
 void ViewGraph::add_edge(ImageId a, ImageId b, double weight, VerifiedPairPtr pair) {
-    assert(a != b && weight > 0.0 && find(a, b) == nullptr);
+    assert(a != b && weight >= 0.0 && find(a, b) == nullptr);
     const auto insert = [&](ImageId from, ImageId to) {
         const std::span<const Edge> before = edges(from);
         const auto place = std::ranges::lower_bound(before, to, {}, &Edge::neighbor);

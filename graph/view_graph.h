@@ -22,7 +22,10 @@ class ViewGraph {
   public:
     struct Edge {
         ImageId neighbor{};
-        double weight = 0.0;   ///< M_ij of the paper: verified correspondences
+        /// M_ij of the paper: verified correspondences, as far as the pair is plausible; 0: a weak
+        /// edge, which counts in no distance and is there for images that have no better one, and
+        /// for models to take matches from.
+        double weight = 0.0;
         VerifiedPairPtr pair;  ///< may be null in graphs that are made of weights only
     };
 
@@ -36,7 +39,7 @@ class ViewGraph {
     /// The next image. @return its id, equal to the former size()
     ImageId add_node();
 
-    /// REQUIRES: both images are nodes, a != b, no such edge yet, weight > 0.
+    /// REQUIRES: both images are nodes, a != b, no such edge yet, weight >= 0.
     void add_edge(ImageId a, ImageId b, double weight, VerifiedPairPtr pair = nullptr);
 
     /// REQUIRES: the images are connected.

@@ -98,9 +98,9 @@ class Committer {
     /// store
     Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
                              const std::set<ClusterId>& others);
-    /// Joins what was held apart for its size (join_held_clusters). @return whether there was
-    /// something @errors those of the store
-    Result<bool> join_held();
+    /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return
+    /// whether there was something @errors those of the store
+    Result<bool> join_late();
     /// Guests of large clusters after a change. @return clusters that got or lost one
     std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
                                         const ClusteringEdit& edit);
@@ -166,6 +166,8 @@ class Committer {
     std::deque<ClusterId> to_settle_;  // taken from the table, and not begun yet
     std::size_t settling_ = 0;         // begun, and not solved yet
     std::size_t settles_at_once_ = 8;
+    /// No photograph has come since the session was at rest: what is solved looks at weak edges.
+    bool concluding_ = false;
     std::size_t solving_ = 0;            // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
     bool failed_ = false;

@@ -19,6 +19,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
     const ImageId image = message.image;
     ++state_.verified;
+    concluding_ = false;
     const auto edit =
         apply(select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges), {});
     if (!edit.ok()) return edit.error();
@@ -60,8 +61,9 @@ Result<StoredEdit> Committer::apply(const EdgeChanges& edges, const std::set<Clu
         edges, others);
 }
 
-Result<bool> Committer::join_held() {
-    const ClusteringEdit joined = join_held_clusters(state_.clustering);
+Result<bool> Committer::join_late() {
+    const ClusteringEdit joined =
+        psfm::join_late(state_.clustering, state_.view_graph, options_.clustering);
     if (joined.changed.empty()) return false;
     const auto edit = apply(joined, EdgeChanges{}, {});
     if (!edit.ok()) return edit.error();

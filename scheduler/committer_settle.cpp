@@ -12,8 +12,9 @@
 namespace psfm {
 
 Result<void> Committer::conclude(CommitOutput& output) {
+    concluding_ = true;
     if (!std::exchange(settle_first_, false)) {
-        const auto joined = join_held();
+        const auto joined = join_late();
         if (!joined.ok()) return joined.error();
         if (*joined) return start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
     }

@@ -56,6 +56,7 @@ EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed,
     for (const ClusterId cluster : changed) {
         for (const ImageId image : placed_.at(cluster).images) {
             for (const ViewGraph::Edge& edge : view_graph.edges(image)) {
+                if (edge.weight == 0.0) continue;  // too weak to join what stands by itself
                 const std::optional<ClusterId>& other = placing_[index_of(edge.neighbor)];
                 if (!other || *other == cluster) continue;
                 // Where both have changed, it is found from the first one.

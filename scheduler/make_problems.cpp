@@ -44,7 +44,8 @@ std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
 
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
-                                                           const ClusterEntry& entry, bool settle) {
+                                                           const ClusterEntry& entry, bool settle,
+                                                           bool conclude) {
     auto problem = std::make_shared<ClusterProblem>();
     problem->cluster = entry.id;
     problem->topology = entry.topology;
@@ -55,6 +56,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->recycled_state = entry.material_state;
     problem->fix_intrinsics = config.fix_intrinsics;
     problem->settle = settle;
+    problem->use_weak_edges = settle || conclude;
     problem->seed = config.seed;
     const std::vector<ImageId> images = state.clusters.images_of(entry);
     problem->view_graph = state.view_graph;
@@ -110,6 +112,7 @@ std::vector<UnplacedImage> unplaced_images(const SessionState& state, const Sess
             bool elsewhere = false;
             bool has_changed = !is_shown(entry, *state.scene);
             for (const ViewGraph::Edge& edge : state.view_graph.edges(image_id)) {
+                if (edge.weight == 0.0) continue;
                 const ClusterEntry& other = state.clusters.of(edge.neighbor);
                 if (!other.model || other.model->find(edge.neighbor) == nullptr) continue;
                 candidate.edges.push_back({edge.pair, other.id});

@@ -15,9 +15,11 @@ namespace psfm {
 /// What solving a cluster needs, cut out of the session's state. Features and pairs are shared, not
 /// copied.
 /// @param settle  adjust to convergence instead of adding images
+/// @param conclude  no photograph has come since the session was at rest
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
-                                                           const ClusterEntry& entry, bool settle);
+                                                           const ClusterEntry& entry, bool settle,
+                                                           bool conclude = false);
 
 /// All clusters with the view graph's edges between placed images of different ones. Models of
 /// clusters that rest are without points.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "scheduler/option_table.h"
 #include "scheduler/whole_number.h"
 
 namespace psfm {
@@ -44,6 +45,16 @@ Result<Camera> decode_camera(const json& object) {
     return camera;
 }
 
+/// What sessions of psfm 0.1, which stored no options, go on with: its values of those that have
+/// another default since.
+std::map<std::string, double> options_before_they_were_stored() {
+    return {{"clustering.join_below", 0},
+            {"edges.min_weak_inliers", 0},
+            {"verification.cells.min_strongest_matches", 10},
+            {"verification.verify.max_uncalibrated_error_px", 2},
+            {"verification.verify.min_inlier_ratio", 0.25}};
+}
+
 }  // namespace
 
 std::optional<History> history_from_name(std::string_view name) {
@@ -59,7 +70,9 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
     StageOptions options;
     if (config.preset == "paper") {
         options.clustering.form = JaccardForm::kLiteral;
+        options.clustering.join_below = 0;
         options.clustering.join_up_to = 0;
+        options.edges.min_weak_inliers = 0;
         options.edges.min_relative_plausibility = 0.0;
         options.solve.rotation_averaging = RotationAveragingOptions{};
         options.solve.plausibility.reset();
@@ -78,6 +91,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         return Error{ErrorCode::kInvalidArgument,
                      "unknown preset '" + config.preset + "'; there are default and paper"};
     }
+    if (const auto set = set_options(options, config.options); !set.ok()) return set.error();
     return options;
 }
 
@@ -97,7 +111,8 @@ std::string encode_config(const SessionConfig& config) {
                 {"vocabulary", config.vocabulary_file},
                 {"colmap_database", config.colmap_database},
                 {"order", config.order},
-                {"history", std::string(history_name(config.history))}}
+                {"history", std::string(history_name(config.history))},
+                {"options", config.options}}
         .dump();
 }
 
@@ -129,6 +144,9 @@ Result<SessionConfig> decode_config(const std::string& text) {
         const auto history = history_from_name(object.value("history", "poses"));
         if (!history) return Error{ErrorCode::kDamaged, "settings name an unknown history"};
         config.history = *history;
+        config.options = object.contains("options")
+                             ? object.at("options").get<std::map<std::string, double>>()
+                             : options_before_they_were_stored();
     } catch (const json::exception&) {
         return Error{ErrorCode::kDamaged, "the session's settings are damaged"};
     }

@@ -44,6 +44,9 @@ struct SessionConfig {
     std::string colmap_database;
     std::vector<std::string> order;  ///< names in order of arrival; empty: by name
     History history = History::kPoses;
+    /// Values of options (option_table.h) that differ from the preset's: as the user set them, and
+    /// all of them once a session is begun, since a later program may have other defaults.
+    std::map<std::string, double> options;
 };
 
 /// "none", "poses", "full"; nothing for any other text.
@@ -61,7 +64,7 @@ struct StageOptions {
     MergeOptions merge;
 };
 
-/// @errors kInvalidArgument (unknown preset)
+/// @errors kInvalidArgument (unknown preset or option, a value out of its range)
 Result<StageOptions> stage_options(const SessionConfig& config);
 
 /// The configuration as JSON text, and back. @errors kDamaged (not such a text), kVersion (of a

@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
     psfm::add_check_command(app, exit_code);
     psfm::add_repair_command(app, exit_code);
     psfm::add_compact_command(app, exit_code);
+    psfm::add_options_command(app, exit_code);
     psfm::add_vocabulary_command(app, exit_code);
     psfm::add_simulate_command(app, exit_code);
     const auto is_asked = [&](const CLI::App* command) { return command->check_name(argv[1]); };

@@ -4,21 +4,46 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 
 namespace psfm {
 namespace {
 
-/// nullptr: the pair is not plausible
-const EdgeSelection::Edge* find_plausible(const EdgeSelection& selection, const ImagePair& pair) {
-    const auto& edges = selection.edges[index_of(pair.second)];
-    const auto found = std::ranges::find(edges, pair.first, &EdgeSelection::Edge::neighbor);
-    return found == edges.end() ? nullptr : &*found;
+/// nullptr: the pair is not among them
+const EdgeSelection::Edge* find_pair(const std::vector<std::vector<EdgeSelection::Edge>>& edges,
+                                     const ImagePair& pair) {
+    const auto& of_second = edges[index_of(pair.second)];
+    const auto found = std::ranges::find(of_second, pair.first, &EdgeSelection::Edge::neighbor);
+    return found == of_second.end() ? nullptr : &*found;
+}
+
+/// Whether an image is apart from a plausible neighbour of the other one, or the other way round: a
+/// weak edge is no evidence against that.
+bool is_opposed(const EdgeSelection& selection, const ImagePair& pair) {
+    if (selection.apart_count == 0) return false;
+    const auto opposed = [&](ImageId a, ImageId b) {
+        return std::ranges::any_of(
+            selection.edges[index_of(a)],
+            [&](const EdgeSelection::Edge& edge) { return selection.are_apart(edge.neighbor, b); });
+    };
+    return opposed(pair.first, pair.second) || opposed(pair.second, pair.first);
 }
 
 bool is_outvoted(const EdgeSelection& selection, const ImagePair& pair) {
     const auto& [a, b] = pair;
     return std::ranges::binary_search(selection.outvoted[index_of(a)], b) ||
            std::ranges::binary_search(selection.outvoted[index_of(b)], a);
+}
+
+/// What a pair counts in the view graph: its inliers; 0: it is a weak edge; nothing: it is none.
+std::optional<double> weight_of(const EdgeSelection& selection, const ImagePair& pair) {
+    if (selection.are_apart(pair.first, pair.second)) return std::nullopt;
+    if (const EdgeSelection::Edge* edge = find_pair(selection.edges, pair)) {
+        if (is_outvoted(selection, pair)) return std::nullopt;
+        return static_cast<double>(edge->pair->geometry.inliers.size());
+    }
+    const bool is_weak = find_pair(selection.weak, pair) != nullptr && !is_opposed(selection, pair);
+    return is_weak ? std::optional(0.0) : std::nullopt;
 }
 
 /// A neighbour with what stands for it and against it.
@@ -74,22 +99,28 @@ EdgeChanges apply_selection(EdgeSelection& selection, ViewGraph& graph,
         std::ranges::set_symmetric_difference(before, now, std::back_inserter(differing));
         for (const ImageId other : differing) pairs.insert(ImagePair::of(image, other));
         before = std::move(now);
+        // Whether these are opposed may have changed with the image's neighbours.
+        if (selection.apart_count > 0) {
+            for (const EdgeSelection::Edge& edge : selection.weak[index_of(image)])
+                pairs.insert(ImagePair::of(image, edge.neighbor));
+        }
     }
     std::set<ImageId> changed;
     EdgeChanges changes;
     for (const ImagePair& pair : pairs) {
         const auto& [a, b] = pair;
-        const EdgeSelection::Edge* plausible = find_plausible(selection, pair);
-        const bool is_edge =
-            plausible != nullptr && !selection.are_apart(a, b) && !is_outvoted(selection, pair);
-        if (is_edge == (graph.find(a, b) != nullptr)) continue;
-        if (is_edge) {
-            const auto inliers = static_cast<double>(plausible->pair->geometry.inliers.size());
-            graph.add_edge(a, b, inliers, plausible->pair);
-        } else {
-            graph.remove_edge(a, b);
-            changes.removed.push_back(pair);
+        const std::optional<double> weight = weight_of(selection, pair);
+        const ViewGraph::Edge* edge = graph.find(a, b);
+        const std::optional<double> before = edge ? std::optional(edge->weight) : std::nullopt;
+        if (weight == before) continue;
+        if (edge != nullptr) graph.remove_edge(a, b);
+        if (weight) {
+            const EdgeSelection::Edge* chosen = find_pair(selection.edges, pair);
+            if (chosen == nullptr) chosen = find_pair(selection.weak, pair);
+            graph.add_edge(a, b, *weight, chosen->pair);
         }
+        // What models rest on: a plausible edge that is weak now as well.
+        if (before && (!weight || *weight < *before)) changes.removed.push_back(pair);
         changed.insert({a, b});
     }
     changes.images.assign(changed.begin(), changed.end());

@@ -7,11 +7,46 @@
 #include <utility>
 
 #include "stages/clustering/jaccard_distance.h"
+#include "stages/clustering/rescue_links.h"
 
 namespace psfm {
 
+namespace {
+
+NearNeighbors near_neighbors(const ViewGraph& graph, const ClusteringOptions& options) {
+    NearNeighbors near(graph.size());
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+        const auto image = static_cast<ImageId>(i);
+        for (const ViewGraph::Edge& edge : graph.edges(image)) {
+            if (edge.weight > 0.0 &&
+                jaccard_sums(graph, image, edge.neighbor, options.form).nearer_than(options.eta))
+                near[i].push_back(edge.neighbor);
+        }
+    }
+    return near;
+}
+
+/// Near ones, and what rescues the groups that are too small.
+NearNeighbors links_of(const ViewGraph& graph, const ClusteringOptions& options) {
+    NearNeighbors links = near_neighbors(graph, options);
+    std::vector<ImageId> small;
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+        const auto image = static_cast<ImageId>(i);
+        if (small_group(links, image, options.join_below).size() < options.join_below)
+            small.push_back(image);
+    }
+    for (const auto& [a, b] : rescue_links(links, graph, small, options.join_below)) {
+        links[index_of(a)].push_back(b);
+        links[index_of(b)].push_back(a);
+    }
+    return links;
+}
+
+}  // namespace
+
 std::vector<std::vector<ImageId>> batch_clusters(const ViewGraph& graph,
                                                  const ClusteringOptions& options) {
+    const NearNeighbors links = links_of(graph, options);
     std::vector<std::vector<ImageId>> clusters;
     std::vector<bool> seen(graph.size(), false);
     for (std::uint32_t first = 0; first < graph.size(); ++first) {
@@ -19,14 +54,10 @@ std::vector<std::vector<ImageId>> batch_clusters(const ViewGraph& graph,
         seen[first] = true;
         std::vector<ImageId> found{static_cast<ImageId>(first)};
         for (std::size_t at = 0; at < found.size(); ++at) {
-            const ImageId image = found[at];
-            for (const ViewGraph::Edge& edge : graph.edges(image)) {
-                if (seen[index_of(edge.neighbor)]) continue;
-                if (jaccard_sums(graph, image, edge.neighbor, options.form)
-                        .nearer_than(options.eta)) {
-                    seen[index_of(edge.neighbor)] = true;
-                    found.push_back(edge.neighbor);
-                }
+            for (const ImageId next : links[index_of(found[at])]) {
+                if (seen[index_of(next)]) continue;
+                seen[index_of(next)] = true;
+                found.push_back(next);
             }
         }
         std::ranges::sort(found);

@@ -10,8 +10,9 @@
 
 namespace psfm {
 
-/// Clusters of a whole view graph at once: the definition that update_clustering is tested against,
-/// and the way to look at a graph that did not grow here.
+/// Clusters of a whole view graph at once, nothing held apart, and those of fewer than
+/// options.join_below images joined: the definition that update_clustering and join_late are tested
+/// against, and the way to look at a graph that did not grow here.
 /// @return members ascending; clusters ascending by first member; each image in exactly one
 std::vector<std::vector<ImageId>> batch_clusters(const ViewGraph& graph,
                                                  const ClusteringOptions& options);

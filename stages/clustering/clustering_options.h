@@ -27,8 +27,14 @@ struct ClusteringOptions {
     /// clusters, more left to merging. Paper, sec. "Implementation".
     double eta = 0.2;
     JaccardForm form = JaccardForm::kMutual;  ///< kLiteral with --preset paper
+    /// Clusters of fewer images join what they share their strongest edge with once no more images
+    /// come (join_late); 0: they stay by themselves, as in the paper. Raised: thin parts are
+    /// reconstructed together, and look-alikes among them come apart only by what the model shows;
+    /// lowered: images wait for ever that one model of all of them would place. Ours: the paper's
+    /// mu_min would do for what waits; twice that puts `kitchen` into one part.
+    std::uint32_t join_below = 10;
     /// Clusters that together have more images, each of them at least `hold_from`, are joined only
-    /// by join_held_clusters, when no more images come: until then what happens in one of them
+    /// by join_late, when no more images come: until then what happens in one of them
     /// costs what it does in a cluster of this size, they are solved side by side, and merging puts
     /// them into one frame. Raised: joints of thousands of images while images stream in; lowered:
     /// what is seen from two clusters is known less well in between. 0: all are joined at once, as

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "stages/clustering/rescue_links.h"
 #include "stages/clustering/update_links.h"
 
 namespace psfm {
@@ -39,6 +40,15 @@ bool are_components(const ClusteringState& state, const ClusteringOptions& optio
         if (found.size() != members.size()) return false;
     }
     return true;
+}
+
+/// Joins the parts of a cluster that no distance joins, by the strongest edges between them.
+void rescue_again(ClusteringState& state, const ViewGraph& graph,
+                  const std::vector<ImageId>& members) {
+    const auto everywhere = static_cast<std::uint32_t>(members.size());
+    if (small_group(state.links, members.front(), everywhere).size() == members.size()) return;
+    for (const ImagePair& pair : links_within(state.links, graph, members))
+        set_rescued(state, pair);
 }
 
 }  // namespace
@@ -79,11 +89,13 @@ Result<ClusteringState> restore_clustering(const ViewGraph& graph,
 
     state.degrees.resize(graph.size());
     state.links.resize(graph.size());
+    state.rescued.resize(graph.size());
     state.workspace.weight.resize(graph.size());
     state.workspace.stamp.resize(graph.size());
     std::vector<ImageId> all(graph.size());
     for (std::uint32_t i = 0; i < graph.size(); ++i) all[i] = static_cast<ImageId>(i);
     update_links(state, graph, all, options);
+    for (const auto& [id, members] : state.members) rescue_again(state, graph, members);
     if (!are_components(state, options)) return mismatch("other images are linked");
     return state;
 }

@@ -19,7 +19,7 @@ std::optional<ClusterId> host_cluster(const ViewGraph& graph, const ClusteringSt
     if (is_large(clustering, image, mu_min)) return std::nullopt;
     std::map<ClusterId, double> shared;
     for (const ViewGraph::Edge& edge : graph.edges(image)) {
-        if (is_large(clustering, edge.neighbor, mu_min)) {
+        if (edge.weight > 0.0 && is_large(clustering, edge.neighbor, mu_min)) {
             shared[clustering.cluster_of[index_of(edge.neighbor)]] += edge.weight;
         }
     }

@@ -21,7 +21,8 @@ JaccardSums jaccard_sums(const ViewGraph& graph, ImageId i, ImageId j, JaccardFo
     for (const ViewGraph::Edge& edge : edges_i) {
         if (edge.neighbor == j) direct = edge.weight;
         while (at_j != edges_j.end() && at_j->neighbor < edge.neighbor) ++at_j;
-        if (at_j != edges_j.end() && at_j->neighbor == edge.neighbor) {
+        if (at_j != edges_j.end() && at_j->neighbor == edge.neighbor && edge.weight > 0.0 &&
+            at_j->weight > 0.0) {
             common += edge.weight + at_j->weight;
         }
     }

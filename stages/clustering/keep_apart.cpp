@@ -38,12 +38,14 @@ PlaceVerdict judge_places(const EdgeSelection& selection, std::span<const ImageI
     }
     PlaceVerdict verdict;
     for (std::size_t i = 0; i < images.size(); ++i) {
-        for (const EdgeSelection::Edge& edge : selection.edges[index_of(images[i])]) {
-            if (edge.neighbor < images[i] || place[i] == 0) continue;
-            const auto other = position_of(edge.neighbor);
-            if (!other || place[*other] == 0 || place[*other] == place[i]) continue;
-            if (!selection.are_apart(images[i], edge.neighbor))
-                verdict.apart.push_back(ImagePair::of(images[i], edge.neighbor));
+        for (const auto* edges : {&selection.edges, &selection.weak}) {
+            for (const EdgeSelection::Edge& edge : (*edges)[index_of(images[i])]) {
+                if (edge.neighbor < images[i] || place[i] == 0) continue;
+                const auto other = position_of(edge.neighbor);
+                if (!other || place[*other] == 0 || place[*other] == place[i]) continue;
+                if (!selection.are_apart(images[i], edge.neighbor))
+                    verdict.apart.push_back(ImagePair::of(images[i], edge.neighbor));
+            }
         }
         for (const ImageId neighbor : selection.apart[index_of(images[i])]) {
             if (neighbor < images[i]) continue;
@@ -75,6 +77,11 @@ EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVe
             for (const EdgeSelection::Edge& edge : selection.edges[index_of(image)])
                 recount.insert(edge.neighbor);
         }
+    }
+    // What was opposed may not be any more, also where nothing is apart now.
+    for (const ImageId image : recount) {
+        for (const EdgeSelection::Edge& edge : selection.weak[index_of(image)])
+            pairs.insert(ImagePair::of(image, edge.neighbor));
     }
     return apply_selection(selection, graph, recount, std::move(pairs));
 }

@@ -22,6 +22,17 @@ bool is_plausible(const EdgeSelection& selection, ImageId a, ImageId b, double p
     return plausible >= options.min_relative_plausibility * reached;
 }
 
+void add_pair(std::vector<std::vector<EdgeSelection::Edge>>& edges, const VerifiedPairPtr& pair,
+              double plausible) {
+    const auto [a, b] = pair->pair;
+    edges[index_of(a)].push_back({b, plausible, pair});
+    edges[index_of(b)].push_back({a, plausible, pair});
+}
+
+bool has_inliers(const VerifiedPairPtr& pair, std::uint32_t least) {
+    return pair->geometry.inliers.size() >= least;
+}
+
 /// Takes out the pairs of an image that its best pair has outdone.
 void drop_outdone(EdgeSelection& selection, ImageId image, const EdgeSelectionOptions& options,
                   std::set<ImagePair>& changed) {
@@ -29,10 +40,12 @@ void drop_outdone(EdgeSelection& selection, ImageId image, const EdgeSelectionOp
     const auto outdone = std::ranges::stable_partition(edges, [&](const EdgeSelection::Edge& edge) {
         return is_plausible(selection, image, edge.neighbor, edge.plausibility, options);
     });
-    for (const EdgeSelection::Edge& edge : outdone) {
-        std::erase_if(selection.edges[index_of(edge.neighbor)],
+    for (EdgeSelection::Edge& edge : outdone) {
+        const ImageId other = edge.neighbor;
+        std::erase_if(selection.edges[index_of(other)],
                       [&](const EdgeSelection::Edge& back) { return back.neighbor == image; });
-        changed.insert(ImagePair::of(image, edge.neighbor));
+        changed.insert(ImagePair::of(image, other));
+        if (options.min_weak_inliers > 0) add_pair(selection.weak, edge.pair, edge.plausibility);
     }
     edges.erase(outdone.begin(), outdone.end());
 }
@@ -52,6 +65,7 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
     [[maybe_unused]] const ImageId added = graph.add_node();
     assert(added == image);
     selection.edges.resize(graph.size());
+    selection.weak.resize(graph.size());
     selection.best.resize(graph.size(), 0.0);
     selection.apart.resize(graph.size());
     selection.outvoted.resize(graph.size());
@@ -63,11 +77,8 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
         best = plausible;
         if (of != image) risen.push_back(of);
     };
-    const auto is_strong = [&](const VerifiedPairPtr& pair) {
-        return pair->geometry.inliers.size() >= options.min_inliers;
-    };
     for (const VerifiedPairPtr& pair : pairs) {
-        if (!is_strong(pair)) continue;
+        if (!has_inliers(pair, options.min_inliers)) continue;
         const double plausible = plausibility(pair->geometry, options.plausibility);
         raise_best(pair->pair.first, plausible);
         raise_best(pair->pair.second, plausible);
@@ -76,9 +87,12 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
     for (const VerifiedPairPtr& pair : pairs) {
         const auto [a, b] = pair->pair;
         const double plausible = plausibility(pair->geometry, options.plausibility);
-        if (!is_strong(pair) || !is_plausible(selection, a, b, plausible, options)) continue;
-        selection.edges[index_of(a)].push_back({b, plausible, pair});
-        selection.edges[index_of(b)].push_back({a, plausible, pair});
+        const bool is_strong = has_inliers(pair, options.min_inliers) &&
+                               is_plausible(selection, a, b, plausible, options);
+        const bool is_weak = !is_strong && options.min_weak_inliers > 0 &&
+                             has_inliers(pair, options.min_weak_inliers);
+        if (!is_strong && !is_weak) continue;
+        add_pair(is_strong ? selection.edges : selection.weak, pair, plausible);
         changed.insert(pair->pair);
     }
     for (const ImageId neighbor : risen) drop_outdone(selection, neighbor, options, changed);

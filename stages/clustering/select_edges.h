@@ -26,6 +26,11 @@ struct EdgeSelectionOptions {
     /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours.
     double min_relative_plausibility = 0.3;
     PlausibilityOptions plausibility;
+    /// Verified inliers from which a pair that is no such edge is a weak one (ViewGraph::Edge): it
+    /// joins what nothing better joins, and models take its matches where its rotation agrees with
+    /// theirs; 0: there are none, as in the paper. Raised: images with little overlap are left out.
+    /// Lowered: chance agreements are looked at. Source: COLMAP's min_num_inliers.
+    std::uint32_t min_weak_inliers = 15;
 };
 
 Result<void> validate(const EdgeSelectionOptions& options);
@@ -35,7 +40,10 @@ Result<void> validate(const EdgeSelectionOptions& options);
 ///   1. best[i] is the largest plausibility of the pairs of image i with enough inliers; a pair is
 ///      plausible iff it reaches min_relative_plausibility times the smaller of its images' best.
 ///   2. A pair is an edge of the graph iff it is plausible, its images are not known to be of
-///      different places, and neither image is outvoted for the other (outvoted_neighbors).
+///   different places, and neither image is outvoted for the other (outvoted_neighbors).
+///   3. A pair that is not plausible and has min_weak_inliers is a weak edge of the graph iff its
+///   images are not known to be of different places, and neither is apart from a plausible
+///   neighbour of the other.
 struct EdgeSelection {
     struct Edge {
         ImageId neighbor{};
@@ -43,6 +51,7 @@ struct EdgeSelection {
         VerifiedPairPtr pair;
     };
     std::vector<std::vector<Edge>> edges;  ///< by image: plausible pairs
+    std::vector<std::vector<Edge>> weak;   ///< by image: the others with min_weak_inliers
     std::vector<double> best;              ///< by image; 0 without a pair
     /// By image, ascending: images that a model showed beside it and that are of another place
     /// (keep_apart). Goes both ways.

@@ -12,6 +12,7 @@
 #include "stages/clustering/apply_relabelling.h"
 #include "stages/clustering/find_split_parts.h"
 #include "stages/clustering/relabeller.h"
+#include "stages/clustering/rescue_links.h"
 #include "stages/clustering/update_links.h"
 
 namespace psfm {
@@ -67,6 +68,30 @@ void split_along(Relabeller& relabeller, ClusteringState& state, const ViewGraph
     join_along(relabeller, graph, held);
 }
 
+/// Rescues the groups that are too small now instead of those that were. @return links that are
+/// gone
+std::vector<ImagePair> rescue(ClusteringState& state, const ViewGraph& graph,
+                              const ClusteringOptions& options) {
+    std::vector<ImageId> before;
+    for (std::size_t image = 0; image < state.size(); ++image) {
+        if (!state.rescued[image].empty()) before.push_back(static_cast<ImageId>(image));
+        state.rescued[image].clear();
+    }
+    std::vector<ImagePair> lost = update_links(state, graph, before, options).removed;
+    if (options.join_below == 0) return lost;
+    std::vector<ImageId> small;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+        const auto image = static_cast<ImageId>(i);
+        if (small_group(state.links, image, options.join_below).size() < options.join_below)
+            small.push_back(image);
+    }
+    for (const ImagePair& pair : rescue_links(state.links, graph, small, options.join_below)) {
+        set_rescued(state, pair);
+        std::erase(lost, pair);
+    }
+    return lost;
+}
+
 }  // namespace
 
 ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
@@ -82,6 +107,7 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
 
     state.degrees.resize(graph.size());
     state.links.resize(graph.size());
+    state.rescued.resize(graph.size());
     state.workspace.weight.resize(graph.size());
     state.workspace.stamp.resize(graph.size());
     const LinkChanges changes = update_links(state, graph, dirty, options);
@@ -94,12 +120,18 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
     return apply_relabelling(state, relabeller.take());
 }
 
-ClusteringEdit join_held_clusters(ClusteringState& state) {
-    Relabeller relabeller(state, state.size(), ClusteringOptions{.join_up_to = 0});
+ClusteringEdit join_late(ClusteringState& state, const ViewGraph& graph,
+                         const ClusteringOptions& options) {
+    assert(graph.size() == state.size());
+    ClusteringOptions unheld = options;
+    unheld.join_up_to = 0;
+    const std::vector<ImagePair> lost = rescue(state, graph, unheld);
+    Relabeller relabeller(state, state.size(), unheld);
     for (std::size_t image = 0; image < state.size(); ++image) {
         for (const ImageId other : state.links[image])
             relabeller.join(static_cast<ImageId>(image), other);
     }
+    split_along(relabeller, state, graph, lost);
     return apply_relabelling(state, relabeller.take());
 }
 

@@ -36,8 +36,13 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
                                  std::span<const ImageId> touched,
                                  const ClusteringOptions& options);
 
-/// Joins the clusters that were held apart for their size: they equal batch_clusters(graph) then.
-/// Cost: O(links). REQUIRES: a state that is up to date. Deterministic.
-ClusteringEdit join_held_clusters(ClusteringState& state);
+/// What is decided once no more images come: clusters that were held apart for their size are
+/// joined, and those of fewer than options.join_below images join what they share most with
+/// (rescue_links), which forgets what they were joined to before. The clusters are those of
+/// batch_clusters(graph) then, whatever the order of arrival was.
+/// Cost: O(links), and a distance for each rescued one. REQUIRES: a state that is up to date with
+/// the graph. Deterministic.
+ClusteringEdit join_late(ClusteringState& state, const ViewGraph& graph,
+                         const ClusteringOptions& options);
 
 }  // namespace psfm

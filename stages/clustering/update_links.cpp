@@ -11,8 +11,9 @@
 namespace psfm {
 namespace {
 
-/// Neighbours nearer than eta, ascending. Scatters the image's weights, so that a neighbour costs
-/// its own edges only; sums in the same order as jaccard_sums of a graph, hence the same bits.
+/// Neighbours nearer than eta or rescued, ascending. Scatters the image's weights, so that a
+/// neighbour costs its own edges only; sums in the same order as jaccard_sums of a graph, hence the
+/// same bits.
 std::vector<ImageId> linked_neighbors(ClusteringState& state, const ViewGraph& graph, ImageId image,
                                       const ClusteringOptions& options) {
     std::vector<double>& weight = state.workspace.weight;
@@ -23,12 +24,14 @@ std::vector<ImageId> linked_neighbors(ClusteringState& state, const ViewGraph& g
         double common = 0.0;
         for (const ViewGraph::Edge& next : graph.edges(edge.neighbor)) {
             const double own = weight[index_of(next.neighbor)];
-            if (own > 0.0) common += own + next.weight;
+            if (own > 0.0 && next.weight > 0.0) common += own + next.weight;
         }
         const double degrees =
             state.degrees[index_of(image)] + state.degrees[index_of(edge.neighbor)];
         const JaccardSums sums = jaccard_sums(common, edge.weight, degrees, options.form);
-        if (sums.nearer_than(options.eta)) linked.push_back(edge.neighbor);
+        const bool is_near = edge.weight > 0.0 && sums.nearer_than(options.eta);
+        if (is_near || std::ranges::binary_search(state.rescued[index_of(image)], edge.neighbor))
+            linked.push_back(edge.neighbor);
     }
     for (const ViewGraph::Edge& edge : edges) weight[index_of(edge.neighbor)] = 0.0;
     return linked;
@@ -45,6 +48,13 @@ void erase_sorted(std::vector<ImageId>& ids, ImageId id) {
 }
 
 }  // namespace
+
+void set_rescued(ClusteringState& state, const ImagePair& pair) {
+    for (auto* neighbors : {&state.rescued, &state.links}) {
+        insert_sorted((*neighbors)[index_of(pair.first)], pair.second);
+        insert_sorted((*neighbors)[index_of(pair.second)], pair.first);
+    }
+}
 
 LinkChanges update_links(ClusteringState& state, const ViewGraph& graph,
                          std::span<const ImageId> touched, const ClusteringOptions& options) {

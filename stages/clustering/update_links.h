@@ -12,7 +12,7 @@
 
 namespace psfm {
 
-/// Pairs of images that became or ceased to be nearer than eta; ascending.
+/// Pairs of images that became or ceased to be linked; ascending.
 struct LinkChanges {
     std::vector<ImagePair> added;
     std::vector<ImagePair> removed;
@@ -23,5 +23,8 @@ struct LinkChanges {
 /// without repetitions.
 LinkChanges update_links(ClusteringState& state, const ViewGraph& graph,
                          std::span<const ImageId> touched, const ClusteringOptions& options);
+
+/// Makes two images rescued neighbours, and links them. REQUIRES: an edge; they are not linked.
+void set_rescued(ClusteringState& state, const ImagePair& pair);
 
 }  // namespace psfm

@@ -8,11 +8,15 @@
 namespace psfm {
 namespace {
 
-auto key(const SiftPlace& place) { return std::tuple(-place.scale, place.y, place.x); }
+auto key(const SiftPlace& place) {
+    return std::tuple(-place.scale, place.y, place.x);
+}
 
 }  // namespace
 
-bool comes_before(const SiftPlace& a, const SiftPlace& b) { return key(a) < key(b); }
+bool comes_before(const SiftPlace& a, const SiftPlace& b) {
+    return key(a) < key(b);
+}
 
 void choose_places(const SiftOptions& options, std::vector<SiftPlace>& places) {
     std::ranges::stable_sort(places, comes_before);

@@ -29,8 +29,8 @@ double largest_sigma(const SiftOptions& options) {
 }
 
 int descriptor_radius(double sigma) {
-    return static_cast<int>(std::lround(kCellWidth * sigma * std::numbers::sqrt2 * 0.5 *
-                                        (kCells + 1)));
+    return static_cast<int>(
+        std::lround(kCellWidth * sigma * std::numbers::sqrt2 * 0.5 * (kCells + 1)));
 }
 
 }  // namespace
@@ -90,9 +90,9 @@ std::span<const float> PlaceDescriber::orientations(const OctaveStrip& strip,
     };
     std::array<float, kOrientationBins> smooth{};
     for (int bin = 0; bin < kOrientationBins; ++bin) {
-        smooth[static_cast<std::size_t>(bin)] =
-            (of(raw, bin - 2) + of(raw, bin + 2)) / 16.F +
-            (of(raw, bin - 1) + of(raw, bin + 1)) / 4.F + of(raw, bin) * 6.F / 16.F;
+        smooth[static_cast<std::size_t>(bin)] = (of(raw, bin - 2) + of(raw, bin + 2)) / 16.F +
+                                                (of(raw, bin - 1) + of(raw, bin + 1)) / 4.F +
+                                                of(raw, bin) * 6.F / 16.F;
     }
     const float limit = kPeakShare * *std::ranges::max_element(smooth);
     std::vector<std::pair<float, float>> peaks;
@@ -101,8 +101,8 @@ std::span<const float> PlaceDescriber::orientations(const OctaveStrip& strip,
         const float left = of(smooth, bin - 1);
         const float right = of(smooth, bin + 1);
         if (value < limit || value <= left || value <= right) continue;
-        const float exact = static_cast<float>(bin) +
-                            0.5F * (left - right) / (left - 2.F * value + right);
+        const float exact =
+            static_cast<float>(bin) + 0.5F * (left - right) / (left - 2.F * value + right);
         float angle = exact * kFullTurn / kOrientationBins;
         if (angle < 0.F) angle += kFullTurn;
         if (angle >= kFullTurn) angle -= kFullTurn;
@@ -172,10 +172,10 @@ std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
         float* cell = histogram.data() + row0 * kRowStep + column0 * kColumnStep + direction0;
         const float lower = value * (1.F - dr);
         const float upper = value * dr;
-        for (const auto& [share, at] : {std::pair(lower * (1.F - dc), cell),
-                                        std::pair(lower * dc, cell + kColumnStep),
-                                        std::pair(upper * (1.F - dc), cell + kRowStep),
-                                        std::pair(upper * dc, cell + kRowStep + kColumnStep)}) {
+        for (const auto& [share, at] :
+             {std::pair(lower * (1.F - dc), cell), std::pair(lower * dc, cell + kColumnStep),
+              std::pair(upper * (1.F - dc), cell + kRowStep),
+              std::pair(upper * dc, cell + kRowStep + kColumnStep)}) {
             at[0] += share * (1.F - dd);
             at[1] += share * dd;
         }

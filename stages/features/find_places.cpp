@@ -188,9 +188,9 @@ struct Quadric {
     bool is_edge(float largest_ratio) const {
         const float trace = xx + yy;
         const float determinant = xx * yy - xy * xy;
-        return determinant <= 0.F || trace * trace * largest_ratio >=
-                                         (largest_ratio + 1.F) * (largest_ratio + 1.F) *
-                                             determinant;
+        return determinant <= 0.F || trace * trace * largest_ratio >= (largest_ratio + 1.F) *
+                                                                          (largest_ratio + 1.F) *
+                                                                          determinant;
     }
 };
 
@@ -236,8 +236,8 @@ void find_places(const OctaveSource& octave, const OctaveStrip& strip, const Sif
     const int first = std::max(strip.begin, kBorder);
     const int last = std::min(strip.end, strip.height - kBorder);
     if (width <= 2 * kBorder || first >= last) return;
-    const auto threshold = static_cast<float>(0.5 * options.contrast_threshold /
-                                              options.octave_layers * 255.0);
+    const auto threshold =
+        static_cast<float>(0.5 * options.contrast_threshold / options.octave_layers * 255.0);
     const Differences differences(strip);
     RowWindow window(differences, options.octave_layers + 2, width);
     window.load(first - 1);
@@ -247,7 +247,8 @@ void find_places(const OctaveSource& octave, const OctaveStrip& strip, const Sif
         window.find_extremes(row);
         for (int layer = 1; layer <= options.octave_layers; ++layer) {
             window.visit_extrema(layer, row, threshold, [&](int column) {
-                const auto found = refine(differences, {layer, row, column, {}, 0.F}, strip, width, options);
+                const auto found =
+                    refine(differences, {layer, row, column, {}, 0.F}, strip, width, options);
                 if (!found) return;
                 SiftPlace place;
                 place.octave = octave.index;
@@ -255,8 +256,9 @@ void find_places(const OctaveSource& octave, const OctaveStrip& strip, const Sif
                 place.column = static_cast<float>(found->column) + found->offset[0];
                 place.row = static_cast<float>(found->row) + found->offset[1];
                 const float level = static_cast<float>(found->layer) + found->offset[2];
-                place.sigma = static_cast<float>(
-                    options.sigma * std::pow(2.0, static_cast<double>(level) / options.octave_layers));
+                place.sigma =
+                    static_cast<float>(options.sigma * std::pow(2.0, static_cast<double>(level) /
+                                                                         options.octave_layers));
                 place.contrast = std::abs(found->contrast) / 255.F;
                 place.x = octave.origin + octave.pitch * place.column;
                 place.y = octave.origin + octave.pitch * place.row;

@@ -11,14 +11,14 @@ namespace psfm {
 /// An extremum of the difference of Gaussians, with one orientation or several: where features are.
 struct SiftPlace {
     int octave = 0;
-    int layer = 0;        ///< of the octave: the one to describe it in
-    float column = 0.F;   ///< [px of the octave, 0 at a pixel's centre], refined
-    float row = 0.F;      ///< likewise
-    float sigma = 0.F;    ///< [px of the octave]
-    float contrast = 0.F; ///< |difference of Gaussians| there, grey values 0 … 1
-    float x = 0.F;        ///< [px of the image, origin at the corner]
+    int layer = 0;         ///< of the octave: the one to describe it in
+    float column = 0.F;    ///< [px of the octave, 0 at a pixel's centre], refined
+    float row = 0.F;       ///< likewise
+    float sigma = 0.F;     ///< [px of the octave]
+    float contrast = 0.F;  ///< |difference of Gaussians| there, grey values 0 … 1
+    float x = 0.F;         ///< [px of the image, origin at the corner]
     float y = 0.F;
-    float scale = 0.F;    ///< sigma [px of the image]
+    float scale = 0.F;  ///< sigma [px of the image]
 };
 
 /// Rows around those that a strip answers for which finding its places looks at.

@@ -15,7 +15,9 @@ namespace {
 constexpr double kCameraBlur = 0.5;
 
 /// Kernels end at 4 sigma, as OpenCV's and VLFeat's.
-int radius_of(double sigma) { return static_cast<int>(std::ceil(4.0 * sigma)); }
+int radius_of(double sigma) {
+    return static_cast<int>(std::ceil(4.0 * sigma));
+}
 
 void blur(const cv::Mat& from, cv::Mat& to, double sigma) {
     const int size = 2 * radius_of(sigma) + 1;

@@ -35,8 +35,12 @@ struct OctaveStrip {
 OctaveSource first_octave(const cv::Mat& grey, int index);
 
 /// Layers that finding extrema takes, and that descriptions are made of.
-inline int layers_to_detect(const SiftOptions& options) { return options.octave_layers + 3; }
-inline int layers_to_describe(const SiftOptions& options) { return options.octave_layers + 1; }
+inline int layers_to_detect(const SiftOptions& options) {
+    return options.octave_layers + 3;
+}
+inline int layers_to_describe(const SiftOptions& options) {
+    return options.octave_layers + 1;
+}
 
 /// Rows that a strip of so many bytes answers for, beside what it has to hold of its neighbours.
 int rows_of_strip(const OctaveSource& octave, int layers, int reach, const SiftOptions& options);

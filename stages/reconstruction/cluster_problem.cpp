@@ -5,16 +5,30 @@
 #include "stages/reconstruction/local_numbers.h"
 
 namespace psfm {
+namespace {
 
-std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem) {
+std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem, bool weak) {
     const LocalNumbers numbers(problem);
     std::vector<VerifiedPairPtr> pairs;
     for (const ClusterImage& image : problem.images) {
         for (const ViewGraph::Edge& edge : problem.view_graph.edges(image.id)) {
-            if (edge.neighbor > image.id && numbers.find(edge.neighbor)) pairs.push_back(edge.pair);
+            if (edge.neighbor > image.id && (edge.weight == 0.0) == weak &&
+                numbers.find(edge.neighbor))
+                pairs.push_back(edge.pair);
         }
     }
     return pairs;
+}
+
+}  // namespace
+
+std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem) {
+    return pairs_of(problem, /*weak=*/false);
+}
+
+std::vector<VerifiedPairPtr> weak_pairs_of(const ClusterProblem& problem) {
+    if (!problem.use_weak_edges) return {};
+    return pairs_of(problem, /*weak=*/true);
 }
 
 }  // namespace psfm

@@ -68,13 +68,18 @@ struct ClusterProblem {
     /// Cameras that registered images share which are not in this problem: nothing here may refine
     /// them (surroundings.h).
     std::set<CameraId> held_cameras;
+    /// Whether weak edges (ViewGraph::Edge) are looked at, too: once no more images come, since
+    /// better edges may come with these.
+    bool use_weak_edges = false;
     bool settle = false;  ///< no image is to be added: adjust all of the model to convergence
     std::uint64_t seed = 0;
 };
 
-/// The edges with both ends in the cluster, ascending. Listing those of thousands of images takes
-/// longer than adding one to them.
+/// The edges with both ends in the cluster, without weak ones, ascending. Listing those of
+/// thousands of images takes longer than adding one to them.
 std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem);
+/// The weak ones (ViewGraph::Edge), ascending; none where the problem does without.
+std::vector<VerifiedPairPtr> weak_pairs_of(const ClusterProblem& problem);
 
 /// How a solution came about (paper, fig. "reconstruction").
 enum class SolveKind : std::uint8_t { kTooSmall, kNew, kExtend, kTransfer, kSettle };

@@ -8,7 +8,7 @@
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/calibrate_focals.h"
 #include "stages/reconstruction/local_numbers.h"
-#include "stages/verification/verify_pair.h"
+#include "stages/verification/with_rotation.h"
 
 namespace psfm {
 namespace {
@@ -87,6 +87,37 @@ VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& 
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
 }
 
+/// Whether a pair's matches leave more than one pose to choose from: of planes, unknown focal
+/// lengths, and few matches. What was measured well is wrong where it disagrees.
+bool is_ambiguous(const VerifiedPair& verified, bool is_weak) {
+    return is_weak || verified.geometry.kind == TwoViewKind::kPlanar ||
+           verified.geometry.kind == TwoViewKind::kFundamental;
+}
+
+/// A pair that differs from the averaged rotations, seen as they say; null: it cannot be.
+VerifiedPairPtr as_averaged(const VerifiedPairPtr& pair, const ClusterProblem& problem,
+                            const LocalNumbers& numbers, const LocalGraph& graph,
+                            const SolveOptions& options) {
+    if (pair->geometry.kind == TwoViewKind::kPureRotation) return nullptr;
+    const std::uint32_t i = numbers.of(pair->pair.first);
+    const std::uint32_t j = numbers.of(pair->pair.second);
+    const ClusterImage& image1 = problem.images[i];
+    const ClusterImage& image2 = problem.images[j];
+    const MatchedViews views{*image1.keypoints,
+                             *image2.keypoints,
+                             graph.cameras.at(image1.camera),
+                             graph.cameras.at(image2.camera),
+                             {}};
+    auto geometry =
+        with_rotation(pair->geometry, views, graph.rotations[j] * graph.rotations[i].conjugate(),
+                      options.verification, {.max_angle_deg = options.max_edge_error_deg});
+    if (!geometry.ok()) return nullptr;
+    return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
+}
+
+/// What a weak edge counts beside others: it decides where nothing else does. Ours.
+constexpr double kWeakEdge = 1e-3;
+
 /// How much an edge counts among others.
 double weight_of(const TwoViewGeometry& geometry, const SolveOptions& options) {
     const double inliers = std::max(1.0, static_cast<double>(geometry.inliers.size()));
@@ -103,23 +134,37 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     graph.cameras = *std::move(cameras);
     const std::vector<VerifiedPairPtr> of_cluster = pairs_of(problem);
     std::vector<VerifiedPairPtr> pairs;
+    std::vector<bool> ambiguous;
     std::vector<RelativeRotation> rotations;
-    for (const VerifiedPairPtr& pair : of_cluster) {
+    const auto add = [&](const VerifiedPairPtr& pair, double factor) {
         VerifiedPairPtr local = with_cameras(pair, problem, numbers, graph, options.verification);
-        if (!local) continue;
-        pairs.push_back(std::move(local));
-        const TwoViewGeometry& geometry = pairs.back()->geometry;
+        if (!local) return;
+        const TwoViewGeometry& geometry = local->geometry;
         rotations.push_back({numbers.of(pair->pair.first), numbers.of(pair->pair.second),
-                             geometry.cam2_from_cam1.rotation, weight_of(geometry, options)});
-    }
+                             geometry.cam2_from_cam1.rotation,
+                             factor * weight_of(geometry, options)});
+        pairs.push_back(std::move(local));
+        ambiguous.push_back(is_ambiguous(*pair, factor < 1.0));
+    };
+    for (const VerifiedPairPtr& pair : of_cluster) add(pair, 1.0);
+    const std::size_t strong = pairs.size();
+    for (const VerifiedPairPtr& pair : weak_pairs_of(problem)) add(pair, kWeakEdge);
     const auto averaged = average_rotations(
         rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);
     if (!averaged.ok()) return averaged.error();
-    for (const std::uint32_t edge : edges_within(*averaged, options.max_edge_error_deg))
-        graph.pairs.push_back(pairs[edge]);
     graph.rotations = averaged->node_from_reference;
     graph.component = averaged->component;
-    graph.removed_edges = static_cast<std::uint32_t>(of_cluster.size() - graph.pairs.size());
+    std::size_t kept = 0;
+    for (std::size_t edge = 0; edge < pairs.size(); ++edge) {
+        VerifiedPairPtr pair = pairs[edge];
+        if (averaged->residual_deg[edge] > options.max_edge_error_deg)
+            pair = ambiguous[edge] ? as_averaged(pair, problem, numbers, graph, options) : nullptr;
+        if (!pair) continue;
+        kept += edge < strong ? 1 : 0;
+        graph.pairs.push_back(std::move(pair));
+    }
+    std::ranges::sort(graph.pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });
+    graph.removed_edges = static_cast<std::uint32_t>(of_cluster.size() - kept);
     return graph;
 }
 

@@ -27,7 +27,8 @@ struct LocalGraph {
 };
 
 /// Calibrates unknown focal lengths, averages rotations, drops outlier edges
-/// (paper sec. "Robust Rotation Averaging").
+/// (paper sec. "Robust Rotation Averaging"). Weak edges are taken in where they agree with the
+/// rotations that the others say; between images that no others connect they decide.
 /// @errors kInvalidArgument, kDegenerate
 Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOptions& options);
 

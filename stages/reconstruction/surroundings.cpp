@@ -34,21 +34,26 @@ std::vector<Role> new_images_and_neighbors(const ClusterProblem& problem,
     return roles;
 }
 
-/// The view graph's edges among new images and neighbours, ascending.
-std::vector<VerifiedPairPtr> pairs_inside(const ClusterProblem& problem,
-                                          const LocalNumbers& numbers,
-                                          const std::vector<Role>& roles) {
+/// The view graph's edges among new images and neighbours.
+ViewGraph edges_inside(const ClusterProblem& problem, const LocalNumbers& numbers,
+                       const std::vector<Role>& roles) {
     std::vector<VerifiedPairPtr> pairs;
+    std::vector<VerifiedPairPtr> weak;
     for (std::size_t i = 0; i < roles.size(); ++i) {
         if (roles[i] < Role::kNeighbor) continue;
         const ImageId image = problem.images[i].id;
         for (const ViewGraph::Edge& edge : problem.view_graph.edges(image)) {
             const auto neighbor = numbers.find(edge.neighbor);
             if (edge.neighbor > image && neighbor && roles[*neighbor] >= Role::kNeighbor)
-                pairs.push_back(edge.pair);
+                (edge.weight > 0.0 ? pairs : weak).push_back(edge.pair);
         }
     }
-    return pairs;
+    ViewGraph graph(pairs);
+    for (const VerifiedPairPtr& pair : weak) {
+        while (graph.size() <= index_of(pair->pair.second)) graph.add_node();
+        graph.add_edge(pair->pair.first, pair->pair.second, 0.0, pair);
+    }
+    return graph;
 }
 
 /// Blocks of points that an image of this role or a closer one sees some of, ascending.
@@ -128,6 +133,7 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
     part.calibrated = problem.calibrated;
     part.recycled_state = problem.recycled_state;
     part.fix_intrinsics = problem.fix_intrinsics;
+    part.use_weak_edges = problem.use_weak_edges;
     part.seed = problem.seed;
     for (std::size_t i = 0; i < roles.size(); ++i) {
         if (roles[i] == Role::kOutside) continue;
@@ -140,7 +146,7 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
         if (roles[i] == Role::kOutside && part.cameras.contains(camera))
             part.held_cameras.insert(camera);
     }
-    part.view_graph = ViewGraph(pairs_inside(problem, numbers, roles));
+    part.view_graph = edges_inside(problem, numbers, roles);
     part.recycled = problem.recycled;
     part.recycled.front() = std::make_shared<const Reconstruction>(
         part_of(model, std::move(inside.points), part, numbers, roles));

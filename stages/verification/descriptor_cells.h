@@ -33,7 +33,7 @@ struct CellOptions {
     std::size_t strongest_rows = 2112;
     /// Fewest matches of theirs for comparing the others; 0: all are. Raised: faster, and pairs
     /// with little overlap are lost. Ours, see docs/matching.md.
-    std::size_t min_strongest_matches = 10;
+    std::size_t min_strongest_matches = 4;
 };
 
 /// @errors kInvalidArgument

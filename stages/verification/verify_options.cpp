@@ -17,6 +17,8 @@ Error invalid(const char* message) {
 
 Result<void> validate(const VerifyOptions& options) {
     if (!(options.max_error_px > 0.0)) return invalid("verification: max_error_px must be above 0");
+    if (!(options.max_uncalibrated_error_px > 0.0))
+        return invalid("verification: max_uncalibrated_error_px must be above 0");
     if (!(options.refine_loss_px > 0.0))
         return invalid("verification: refine_loss_px must be above 0");
     if (options.min_inliers < 8) return invalid("verification: min_inliers must be at least 8");
@@ -32,6 +34,18 @@ Result<void> validate(const VerifyOptions& options) {
     if (options.max_iterations < 1)
         return invalid("verification: max_iterations must be at least 1");
     return {};
+}
+
+VerifyOptions options_for(const VerifyOptions& options, const Camera& camera1,
+                          const Camera& camera2) {
+    const auto is_known = [](const Camera& camera) {
+        return camera.focal_source == FocalSource::kExif ||
+               camera.focal_source == FocalSource::kGiven;
+    };
+    VerifyOptions result = options;
+    if (!is_known(camera1) || !is_known(camera2))
+        result.max_error_px = options.max_uncalibrated_error_px;
+    return result;
 }
 
 }  // namespace psfm

@@ -116,9 +116,10 @@ TwoViewGeometry geometry_of(const TwoViewProblem& problem, const TwoViewModel& m
 
 }  // namespace
 
-Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& options,
+Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& asked,
                                     std::uint64_t seed) {
-    if (const Result<void> valid = validate(options); !valid) return valid.error();
+    if (const Result<void> valid = validate(asked); !valid) return valid.error();
+    const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
     const Result<TwoViewProblem> made = make_two_view_problem(views, options.max_error_px);
     if (!made) return made.error();
     const TwoViewProblem& problem = *made;
@@ -145,8 +146,9 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
 }
 
 Result<TwoViewGeometry> with_intrinsics(const TwoViewGeometry& geometry, const MatchedViews& views,
-                                        const VerifyOptions& options) {
-    if (const Result<void> valid = validate(options); !valid) return valid.error();
+                                        const VerifyOptions& asked) {
+    if (const Result<void> valid = validate(asked); !valid) return valid.error();
+    const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
     MatchedViews inliers_only = views;
     inliers_only.matches = geometry.inliers;
     const Result<TwoViewProblem> made = make_two_view_problem(inliers_only, options.max_error_px);

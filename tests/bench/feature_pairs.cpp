@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a choice of features is worth: photographs are extracted, and all of their pairs matched (all
-// features with all) and verified; pairs and inliers are counted, and processor time is taken, one
-// thread. Figures in docs/features.md.
+// What a choice of features is worth: photographs are extracted, and all of their pairs matched
+// (all features with all) and verified; pairs and inliers are counted, and processor time is taken,
+// one thread. Figures in docs/features.md.
 //   feature_pairs [NAME=VALUE...] PHOTOGRAPH...
 // NAME: max_features, max_orientations, max_image_size, or a field that the usage names.
 #include <chrono>
@@ -22,7 +22,9 @@
 namespace psfm::bench {
 namespace {
 
-double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double processor_s() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 bool set_option(const std::string& text, FeatureOptions& options) {
     const std::size_t equals = text.find('=');

@@ -23,10 +23,11 @@ class SerialSession {
   public:
     /// Goes on where the store ends, and finishes what an earlier process left.
     /// @param pairs  all of them; an image brings those with earlier ones
+    /// @param clustering  by default parts of a few images, as these scenes have, stay parts
     /// REQUIRES: scene and pairs outlive the session
     SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
                   const std::vector<VerifiedPairPtr>& pairs, bool deterministic = true,
-                  const ClusteringOptions& clustering = {});
+                  const ClusteringOptions& clustering = {.join_below = 0});
 
     static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
     /// Takes the next image through all stages; or handles so many messages of it only, like a

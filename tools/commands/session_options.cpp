@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "scheduler/option_table.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"
@@ -42,6 +43,11 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
         return differs("--fix-intrinsics");
     if (!holds("--seed", &SessionConfig::seed)) return differs("--seed");
     if (!holds("--vocabulary", &SessionConfig::vocabulary_file)) return differs("--vocabulary");
+    for (const auto& [name, value] : asked.options) {
+        const auto known = begun.options.find(name);
+        if (known == begun.options.end() || known->second != value) return differs("--set " + name);
+    }
+    asked.options = begun.options;
     if (!is_given(command, "--history")) asked.history = begun.history;
     if (begun.colmap_database != asked.colmap_database) {
         return Error{ErrorCode::kInvalidArgument,
@@ -111,6 +117,12 @@ void add_session_options(CLI::App& command, SessionArguments& arguments) {
         ->check(CLI::IsMember({"none", "poses", "full"}));
     command.add_option("--log", arguments.log, "Append a log of JSON lines to this file");
     command.add_option("--seed", arguments.seed, "Seed of everything random");
+    command
+        .add_option(
+            "--set", arguments.settings,
+            "Set an option of the stages, NAME=VALUE; may be repeated. `psfm options` lists "
+            "names, values and what they do")
+        ->take_all();
 }
 
 Result<SessionConfig> config_from(const SessionArguments& arguments,
@@ -122,6 +134,12 @@ Result<SessionConfig> config_from(const SessionArguments& arguments,
     config.batch = arguments.batch;
     config.seed = arguments.seed;
     config.history = *history_from_name(arguments.history);
+    for (const std::string& text : arguments.settings) {
+        auto setting = parse_setting(text);
+        if (!setting.ok()) return setting.error();
+        config.options.insert_or_assign(setting->first, setting->second);
+    }
+    if (const auto valid = stage_options(config); !valid.ok()) return valid.error();
     if (!arguments.order_file.empty()) {
         auto order = read_order_file(arguments.order_file);
         if (!order.ok()) return order.error();
@@ -182,6 +200,8 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
         if (const auto done = put_in_order(*known); !done.ok())
             return report_error(done.error(), ErrorOrigin::kOtherInput);
     }
+    // All of them, so that the session goes on as it began.
+    request.config.options = option_values(*stage_options(request.config));
     request.settings = SessionSettings{std::filesystem::absolute(input).lexically_normal().string(),
                                        encode_config(request.config)};
     return run_and_report(**store, request);

@@ -33,6 +33,7 @@ struct SessionArguments {
     int threads = 0;
     std::size_t cache_mib = StoreOptions{}.cache_bytes >> 20U;
     std::uint64_t seed = 0;
+    std::vector<std::string> settings;  ///< NAME=VALUE
 };
 
 /// --cache, of what opens a session for writing. @param mib  outlives the parsing

@@ -26,7 +26,8 @@ using test::WeightTable;
 ClusteringOptions random_options(synthetic::Rng& rng) {
     constexpr double kEtas[] = {0.05, 0.2, 0.3, 0.5, 0.8};
     return {.eta = kEtas[rng.below(5)],
-            .form = rng.below(2) == 0 ? JaccardForm::kMutual : JaccardForm::kLiteral};
+            .form = rng.below(2) == 0 ? JaccardForm::kMutual : JaccardForm::kLiteral,
+            .join_below = 0};
 }
 
 std::vector<std::vector<ImageId>> partition(const ClusteringState& state) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Clusters that are held apart for their size, until join_held_clusters.
+// Clusters that are held apart for their size, until join_late.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using test::connect;
 using test::WeightTable;
 
 ClusteringOptions options_with(std::uint32_t join_up_to, std::uint32_t hold_from) {
-    return {.eta = 0.5, .join_up_to = join_up_to, .hold_from = hold_from};
+    return {.eta = 0.5, .join_below = 0, .join_up_to = join_up_to, .hold_from = hold_from};
 }
 
 std::vector<ImageId> images(std::uint32_t first, std::uint32_t last) {
@@ -90,19 +90,20 @@ void expect_consistent(const ClusteringState& state, const ViewGraph& graph,
     ASSERT_EQ(*restored, state);
 
     ClusteringState all = state;
-    const ClusteringEdit edit = join_held_clusters(all);
+    const ClusteringEdit edit = join_late(all, graph, options);
     ASSERT_NO_FATAL_FAILURE(test::expect_edit_tells_all(state.members, all, edit, state.size()));
     ASSERT_EQ(edit.changed.empty(), held == 0);
     std::vector<std::vector<ImageId>> parts;
     for (const auto& [id, members] : all.members) parts.push_back(members);
     std::ranges::sort(parts);
     ASSERT_EQ(parts, batch_clusters(graph, options));
-    ASSERT_EQ(join_held_clusters(all), ClusteringEdit{});
+    ASSERT_EQ(join_late(all, graph, options), ClusteringEdit{});
 }
 
 ClusteringOptions random_options(synthetic::Rng& rng) {
     constexpr double kEtas[] = {0.2, 0.5, 0.8};
     return {.eta = kEtas[rng.below(3)],
+            .join_below = 0,
             .join_up_to = static_cast<std::uint32_t>(2 + rng.below(12)),
             .hold_from = static_cast<std::uint32_t>(2 + rng.below(4))};
 }
@@ -138,8 +139,8 @@ TEST(HeldClusters, KeepTheirPromisesWhenEdgesGoAndCome) {
         ClusteringState state;
         update_clustering(state, test::graph_of(table), {}, options);
         for (int change = 0; change < 12; ++change) {
+            if (rng.below(6) == 0) join_late(state, test::graph_of(table), options);
             const std::vector<ImageId> touched = test::change_some_edges(table, rng);
-            if (rng.below(6) == 0) join_held_clusters(state);
             const auto before = state.members;
             const ViewGraph graph = test::graph_of(table);
             const ClusteringEdit edit = update_clustering(state, graph, touched, options);
@@ -155,7 +156,7 @@ TEST(HeldClusters, JoinOnlyWhenAsked) {
     const ClusteringOptions options = options_with(9, 3);
     ClusteringState state = grown_in_order(table, options);
     EXPECT_EQ(state.members.size(), 2U);
-    const ClusteringEdit edit = join_held_clusters(state);
+    const ClusteringEdit edit = join_late(state, graph, options);
     ASSERT_EQ(edit.changed.size(), 1U);
     EXPECT_EQ(edit.changed.front(), (ClusterMembers{static_cast<ClusterId>(0), images(0, 11)}));
     EXPECT_EQ(edit.removed.size(), 1U);
@@ -176,7 +177,7 @@ TEST(HeldClusters, AnImageBetweenTwoGoesWithTheOneThatItSharesMostWith) {
         connect(table, 6, 11, 50.0);
         for (std::size_t i = 0; i < 12; ++i) table.set(i, 12, (i >= 6) == second ? 40.0 : 30.0);
         const ClusteringState state =
-            grown_in_order(table, {.eta = 0.8, .join_up_to = 8, .hold_from = 2});
+            grown_in_order(table, {.eta = 0.8, .join_below = 0, .join_up_to = 8, .hold_from = 2});
         ASSERT_EQ(state.members.size(), 2U);
         EXPECT_EQ(state.cluster_of[12], state.cluster_of[second ? 6 : 0]);
         EXPECT_NE(state.cluster_of[0], state.cluster_of[6]);

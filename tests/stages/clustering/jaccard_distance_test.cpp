@@ -32,7 +32,7 @@ TEST(JaccardDistance, OfATriangleOfEqualEdges) {
 }
 
 TEST(JaccardDistance, LiteralFormNeedsSixMutualMatchesAtThePapersEta) {
-    const ClusteringOptions literal{.eta = 0.2, .form = JaccardForm::kLiteral};
+    const ClusteringOptions literal{.eta = 0.2, .form = JaccardForm::kLiteral, .join_below = 0};
     const ClusteringOptions mutual{.eta = 0.2, .form = JaccardForm::kMutual};
     EXPECT_EQ(batch_clusters(graph_of(complete(6)), literal).size(), 6U);
     EXPECT_EQ(batch_clusters(graph_of(complete(7)), literal).size(), 1U);
@@ -71,7 +71,7 @@ TEST(JaccardDistance, OnlyEdgesJoin) {
     }
     const ViewGraph graph = graph_of(table);
     EXPECT_EQ(jaccard_sums(graph, kA, kB, JaccardForm::kLiteral).distance(), 0.0);
-    EXPECT_EQ(batch_clusters(graph, {}).size(), 12U);
+    EXPECT_EQ(batch_clusters(graph, {.join_below = 0}).size(), 12U);
 }
 
 TEST(JaccardDistance, IsBitwiseSymmetric) {

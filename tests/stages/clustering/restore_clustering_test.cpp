@@ -76,10 +76,11 @@ TEST_F(RestoreClusteringRefuses, WhatIsNotThisGraphsClustering) {
 }
 
 TEST_F(RestoreClusteringRefuses, OtherOptionsThanTheSessions) {
-    const ClusteringOptions strict{.eta = 0.0};
-    EXPECT_FALSE(restore_clustering(graph_, std::vector{cluster(0, {0, 1}), cluster(1, {2, 3})},
-                                    static_cast<ClusterId>(2), strict)
-                     .ok());
+    const ClusteringOptions generous{.eta = 1.0};
+    std::vector<ClusterMembers> alone;
+    for (std::uint32_t i = 0; i < graph_.size(); ++i) alone.push_back(cluster(i, {i}));
+    EXPECT_FALSE(
+        restore_clustering(graph_, alone, static_cast<ClusterId>(graph_.size()), generous).ok());
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <random>
 #include <set>
 
+#include "stages/clustering/keep_apart.h"
+
 namespace psfm {
 namespace {
 
@@ -35,7 +37,12 @@ struct Session {
         return select_edges(selection, graph, static_cast<ImageId>(graph.size()), pairs, options);
     }
     bool has(std::uint32_t a, std::uint32_t b) const {
-        return graph.find(ImageId{a}, ImageId{b}) != nullptr;
+        const ViewGraph::Edge* edge = graph.find(ImageId{a}, ImageId{b});
+        return edge != nullptr && edge->weight > 0.0;
+    }
+    bool has_weak(std::uint32_t a, std::uint32_t b) const {
+        const ViewGraph::Edge* edge = graph.find(ImageId{a}, ImageId{b});
+        return edge != nullptr && edge->weight == 0.0;
     }
 };
 
@@ -43,7 +50,7 @@ TEST(SelectEdges, WeightsAreInliersFromTheBarOn) {
     Session session;
     session.arrive({});
     session.arrive({make_pair(0, 1, 29, 0.5, 1.0)});
-    EXPECT_FALSE(session.has(0, 1));
+    EXPECT_TRUE(session.has_weak(0, 1));
     session.arrive({make_pair(0, 2, 30, 0.5, 1.0), make_pair(1, 2, 1393, 0.5, 1.0)});
     ASSERT_TRUE(session.has(0, 2));
     EXPECT_EQ(session.graph.find(ImageId{0}, ImageId{2})->weight, 30.0);
@@ -64,7 +71,39 @@ TEST(SelectEdges, LookAlikeStaysWhileNothingBetterIsKnownAndGoesThen) {
     EXPECT_TRUE(session.has(1, 3));
     EXPECT_EQ(changed.images, (std::vector<ImageId>{ImageId{0}, ImageId{1}, ImageId{3}}));
     EXPECT_EQ(changed.removed, std::vector{ImagePair::of(ImageId{0}, ImageId{1})});
-    EXPECT_EQ(session.graph.edge_count(), 2U);
+    EXPECT_TRUE(session.has_weak(0, 1)) << "it joins nothing, and models may still use it";
+    EXPECT_EQ(session.graph.edge_count(), 3U);
+}
+
+TEST(SelectEdges, FromTheLowerBarOnPairsAreWeak) {
+    Session session;
+    session.arrive({});
+    session.arrive({make_pair(0, 1, 14, 0.5, 1.0)});
+    EXPECT_EQ(session.graph.edge_count(), 0U);
+    session.arrive({make_pair(0, 2, 15, 0.5, 1.0)});
+    EXPECT_TRUE(session.has_weak(0, 2));
+    Session paper;
+    paper.options.min_weak_inliers = 0;
+    paper.arrive({});
+    paper.arrive({make_pair(0, 1, 29, 0.5, 1.0)});
+    EXPECT_EQ(paper.graph.edge_count(), 0U) << "there are no weak edges";
+}
+
+TEST(SelectEdges, NoWeakEdgeLeadsToAnotherPlace) {
+    // 0 and 1 are known to be of different places; 2 has a good pair with 0 and a weak one with 1.
+    Session session;
+    session.arrive({});
+    session.arrive({make_pair(0, 1, 100, 0.5, 1.0)});
+    session.arrive({make_pair(0, 2, 100, 0.5, 1.0), make_pair(1, 2, 20, 0.5, 1.0)});
+    ASSERT_TRUE(session.has_weak(1, 2));
+    const PlaceVerdict verdict{{ImagePair::of(ImageId{0}, ImageId{1})}, {}};
+    keep_apart(session.selection, session.graph, verdict);
+    EXPECT_FALSE(session.has(0, 1) || session.has_weak(0, 1));
+    EXPECT_TRUE(session.has(0, 2));
+    EXPECT_FALSE(session.has_weak(1, 2));
+    keep_apart(session.selection, session.graph, {{}, verdict.apart});  // taken back
+    EXPECT_TRUE(session.has(0, 1));
+    EXPECT_TRUE(session.has_weak(1, 2));
 }
 
 double plausibility_of(double density, double core, double angle_deg) {

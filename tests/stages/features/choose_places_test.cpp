@@ -16,8 +16,8 @@ SiftPlace place(float scale, float x, float y) {
 }
 
 TEST(ChoosePlacesTest, KeepsTheLargestInOrderWithoutDuplicates) {
-    std::vector<SiftPlace> places{place(1, 1, 1), place(3, 2, 2), place(2, 5, 5), place(2, 4, 5),
-                                  place(2, 5, 5), place(2, 9, 4)};
+    std::vector<SiftPlace> places{place(1, 1, 1), place(3, 2, 2), place(2, 5, 5),
+                                  place(2, 4, 5), place(2, 5, 5), place(2, 9, 4)};
     SiftOptions options;
     options.max_features = 4;
     choose_places(options, places);

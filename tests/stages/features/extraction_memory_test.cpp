@@ -24,7 +24,8 @@ TEST(ExtractionMemoryTest, GrowsWithTheSizeThatIsDetectedIn) {
     larger.sift.max_image_size = 6000;
     EXPECT_GT(extraction_bytes({6000, 4000}, 0, larger), extraction_bytes({6000, 4000}, 0, {}));
     larger.sift.strip_mib += 10;
-    EXPECT_EQ(extraction_bytes({600, 400}, 0, larger), extraction_bytes({600, 400}, 0, {}) + 10 * kMiB);
+    EXPECT_EQ(extraction_bytes({600, 400}, 0, larger),
+              extraction_bytes({600, 400}, 0, {}) + 10 * kMiB);
 }
 
 TEST(ExtractionMemoryTest, ReadsTheSizeInTheHeader) {

@@ -42,8 +42,8 @@ Assembled assemble(const OctaveSource& octave, std::uint32_t strip_mib, int laye
         const int last = std::min(strip.height, strip.end + reach);
         for (int i = 0; i < layers; ++i) {
             const auto at = static_cast<std::size_t>(i);
-            const cv::Mat rows = strip.layers[at].rowRange(first - strip.first_row,
-                                                           last - strip.first_row);
+            const cv::Mat rows =
+                strip.layers[at].rowRange(first - strip.first_row, last - strip.first_row);
             const cv::Mat known = result.layers[at].rowRange(first, strip.begin);
             EXPECT_TRUE(known.empty() ||
                         cv::norm(known, rows.rowRange(0, known.rows), cv::NORM_INF) == 0.0);
@@ -122,7 +122,8 @@ TEST(GaussianOctaveTest, StripsStayWithinTheirBudget) {
         const int layers = layers_to_detect(options);
         const int rows = rows_of_strip(octave, layers, 7, options);
         const std::size_t held = static_cast<std::size_t>(rows + 2 * (47 + 7)) * sizeof(float) *
-               static_cast<std::size_t>(octave.size.width) * static_cast<std::size_t>(layers + 1);
+                                 static_cast<std::size_t>(octave.size.width) *
+                                 static_cast<std::size_t>(layers + 1);
         EXPECT_LE(held, std::size_t{options.strip_mib} << 20U) << size;
         EXPECT_GE(rows, 108) << size;
     }

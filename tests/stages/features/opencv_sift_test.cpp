@@ -18,10 +18,10 @@ namespace psfm {
 namespace {
 
 struct Agreement {
-    std::size_t features = 0;  ///< of the first
-    std::size_t placed = 0;    ///< found at the same place, in the same scale
-    std::size_t turned = 0;    ///< and with the same orientation
-    std::size_t described = 0; ///< and with nearly the same descriptor
+    std::size_t features = 0;   ///< of the first
+    std::size_t placed = 0;     ///< found at the same place, in the same scale
+    std::size_t turned = 0;     ///< and with the same orientation
+    std::size_t described = 0;  ///< and with nearly the same descriptor
 };
 
 Agreement compare(const SiftFeatures& a, const SiftFeatures& b) {

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/option_table.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace psfm {
+namespace {
+
+TEST(OptionTable, EveryNameSetsItsOwnFieldAndDefaultsLieInTheirRanges) {
+    const StageOptions defaults;
+    for (const NamedOption& option : option_table()) {
+        SCOPED_TRACE(option.name);
+        EXPECT_GE(option.get(defaults), option.low);
+        EXPECT_LE(option.get(defaults), option.high);
+        StageOptions changed;
+        const double other = option.get(defaults) == option.low ? option.high : option.low;
+        option.set(changed, other);
+        EXPECT_EQ(option.get(changed), other);
+        for (const NamedOption& unchanged : option_table()) {
+            if (unchanged.name != option.name) {
+                EXPECT_EQ(unchanged.get(changed), unchanged.get(defaults)) << unchanged.name;
+            }
+        }
+    }
+}
+
+TEST(OptionTable, SettingsAreNumbersInTheirRanges) {
+    const auto setting = parse_setting("clustering.eta=0.25");
+    ASSERT_TRUE(setting.ok());
+    EXPECT_EQ(*setting, std::pair(std::string("clustering.eta"), 0.25));
+    EXPECT_FALSE(parse_setting("clustering.eta").ok());
+    EXPECT_FALSE(parse_setting("clustering.eta=").ok());
+    EXPECT_FALSE(parse_setting("clustering.eta=0.2x").ok());
+    const auto unknown = parse_setting("solve.eta=1");
+    ASSERT_FALSE(unknown.ok());
+    EXPECT_NE(unknown.error().message.find("clustering.eta"), std::string::npos)
+        << "what may have been meant is named";
+    StageOptions options;
+    EXPECT_FALSE(set_options(options, {{"clustering.eta", 1.5}}).ok());
+    EXPECT_FALSE(set_options(options, {{"clustering.eta", NAN}}).ok());
+    ASSERT_TRUE(set_options(options, {{"clustering.eta", 0.25}}).ok());
+    EXPECT_EQ(options.clustering.eta, 0.25);
+}
+
+TEST(OptionTable, ASessionGoesOnWithTheOptionsThatItStored) {
+    SessionConfig config;
+    config.options = option_values(*stage_options(config));
+    config.options["clustering.eta"] = 0.4;
+    const auto back = decode_config(encode_config(config));
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(back->options, config.options);
+    EXPECT_EQ(stage_options(*back)->clustering.eta, 0.4);
+}
+
+TEST(OptionTable, SessionsFromBeforeGoOnAsTheyBegan) {
+    auto settings = nlohmann::json::parse(encode_config(SessionConfig{}));
+    settings.erase("options");
+    const auto config = decode_config(settings.dump());
+    ASSERT_TRUE(config.ok()) << config.error().message;
+    const auto options = stage_options(*config);
+    ASSERT_TRUE(options.ok()) << options.error().message;
+    EXPECT_EQ(options->clustering.join_below, 0U);
+    EXPECT_EQ(options->edges.min_weak_inliers, 0U);
+    EXPECT_EQ(options->verification.verify.min_inlier_ratio, 0.25);
+}
+
+}  // namespace
+}  // namespace psfm
