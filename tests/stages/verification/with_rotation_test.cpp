@@ -36,8 +36,8 @@ TEST(WithRotation, FindsThePoseThatOtherPairsSay) {
     const TwoViews views = make_two_views(options, 3);
     const TwoViewGeometry wrong = wrongly_posed(views, 120.0);
     // As inexact as averaged rotations are.
-    const auto seen = with_rotation(wrong, views.matched(),
-                                    turned(views.cam2_from_cam1.rotation, 3.0), {}, {});
+    const auto seen =
+        with_rotation(wrong, views.matched(), turned(views.cam2_from_cam1.rotation, 3.0), {}, {});
     ASSERT_TRUE(seen.ok()) << seen.error().message;
     EXPECT_EQ(seen->kind, TwoViewKind::kEssential);
     EXPECT_LT(test::rotation_error_deg(seen->cam2_from_cam1, views.cam2_from_cam1), 0.5);
@@ -62,10 +62,8 @@ TEST(OptionsFor, UnknownFocalLengthsHaveAWiderBound) {
     const Camera known = make_camera(1500, 1000, 1400, FocalSource::kExif);
     const Camera guessed = make_camera(1500, 1000, 1400, FocalSource::kUnknown);
     EXPECT_EQ(options_for(options, known, known).max_error_px, options.max_error_px);
-    EXPECT_EQ(options_for(options, known, guessed).max_error_px,
-              options.max_uncalibrated_error_px);
-    EXPECT_EQ(options_for(options, guessed, known).max_error_px,
-              options.max_uncalibrated_error_px);
+    EXPECT_EQ(options_for(options, known, guessed).max_error_px, options.max_uncalibrated_error_px);
+    EXPECT_EQ(options_for(options, guessed, known).max_error_px, options.max_uncalibrated_error_px);
 }
 
 }  // namespace
