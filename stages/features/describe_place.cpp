@@ -162,8 +162,9 @@ std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
         float direction = turn - gradients_.angle[k] * (kDirections / 360.F);
         if (direction < 0.F) direction += kDirections;
         if (direction >= kDirections) direction -= kDirections;
-        const int row0 = static_cast<int>(row);
-        const int column0 = static_cast<int>(column);
+        // What lies just below kCells + 1 may be rounded up to it.
+        const int row0 = std::min(static_cast<int>(row), kCells);
+        const int column0 = std::min(static_cast<int>(column), kCells);
         const int direction0 = std::min(static_cast<int>(direction), kDirections - 1);
         const float dr = row - static_cast<float>(row0);
         const float dc = column - static_cast<float>(column0);
