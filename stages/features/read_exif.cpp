@@ -11,6 +11,15 @@
 namespace psfm {
 namespace {
 
+/// exiv2 0.28 has renamed it, and widened.
+std::int64_t whole_number(const Exiv2::Exifdatum& datum, std::size_t n) {
+#if EXIV2_TEST_VERSION(0, 28, 0)
+    return datum.toInt64(n);
+#else
+    return datum.toLong(static_cast<long>(n));
+#endif
+}
+
 /// The n-th value of a tag as a finite number. Zero denominators are no number.
 std::optional<double> number(const Exiv2::ExifData& data, const char* key, long n = 0) {
     const auto found = data.findKey(Exiv2::ExifKey(key));
@@ -38,7 +47,7 @@ std::optional<double> number(const Exiv2::ExifData& data, const char* key, long 
         case Exiv2::signedByte:
         case Exiv2::signedShort:
         case Exiv2::signedLong:
-            value = static_cast<double>(found->toLong(n));
+            value = static_cast<double>(whole_number(*found, n));
             break;
         default:  // text and the like where a number belongs
             return std::nullopt;

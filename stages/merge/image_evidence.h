@@ -31,8 +31,8 @@ const ImageEvidence* find_evidence(std::span<const ImageEvidence> evidence, Imag
 /// and not exactly 0, 0, which cameras write that have no fix.
 bool is_plausible(const GpsPosition& position);
 
-/// Origin of a session's east-north-up frame: the plausible position of its first image that has
-/// one. It never changes while a session grows.
+/// Origin of a session's east-north-up frame: the plausible position of its first image among those
+/// that agree with others (docs/georeferencing.md, "The datum"). Deterministic.
 /// @return with altitude 0 where that image has none; empty without any position
 std::optional<GpsPosition> datum_of(std::span<const ImageEvidence> evidence);
 

@@ -125,9 +125,9 @@ struct ColourSum {
 
 /// Fills in the features of one image and adds their colours to the points they observe.
 void add_features(const Keypoints& keypoints,
-                  std::span<const std::pair<std::uint32_t, std::size_t>> uses,
-                  const ExportedModel& model, FeatureUse use, ExportedImage& image,
-                  std::vector<ColourSum>& colours) {
+                  std::span<const std::pair<std::uint32_t, std::size_t>> uses, FeatureUse use,
+                  ExportedModel& model, ExportedImage& image, std::vector<ColourSum>& colours) {
+    if (use == FeatureUse::kObserved) image.keypoints.reserve(uses.size());
     if (use == FeatureUse::kAll) {
         image.keypoints.reserve(keypoints.size());
         for (const Keypoint& keypoint : keypoints) {
@@ -137,6 +137,12 @@ void add_features(const Keypoints& keypoints,
     for (const auto& [feature, point] : uses) {
         if (use == FeatureUse::kAll) image.keypoints[feature].point = model.points[point].id;
         const Keypoint& keypoint = keypoints[feature];
+        if (use == FeatureUse::kObserved) {
+            const ExportedObservation before{image.id, feature};
+            *std::ranges::find(model.points[point].track, before) = {
+                image.id, static_cast<std::uint32_t>(image.keypoints.size())};
+            image.keypoints.push_back({keypoint.x, keypoint.y, model.points[point].id});
+        }
         ColourSum& colour = colours[point];
         colour.sum[0] += keypoint.red;
         colour.sum[1] += keypoint.green;
@@ -157,7 +163,7 @@ Result<void> add_all_features(const KeypointsProvider& provider, FeatureUse use,
     std::vector<ColourSum> colours(model.points.size());
     for (ExportedImage& image : model.images) {
         const auto& used = uses[image.id];
-        if (use == FeatureUse::kColoursOnly && used.empty()) continue;
+        if (use != FeatureUse::kAll && used.empty()) continue;
         const auto keypoints = provider(static_cast<ImageId>(image.id - 1));
         if (!keypoints) return keypoints.error();
         for (const auto& [feature, point] : used) {
@@ -168,7 +174,7 @@ Result<void> add_all_features(const KeypointsProvider& provider, FeatureUse use,
                                  ": run `psfm check`"};
             }
         }
-        add_features(**keypoints, used, model, use, image, colours);
+        add_features(**keypoints, used, use, model, image, colours);
     }
     for (std::size_t p = 0; p < model.points.size(); ++p) {
         if (colours[p].count == 0) continue;

@@ -19,7 +19,8 @@ using KeypointsProvider = std::function<Result<std::shared_ptr<const Keypoints>>
 
 /// What is made of features.
 enum class FeatureUse {
-    kAll,          ///< every image carries all its features, points are coloured
+    kAll,       ///< every image carries all its features, points are coloured
+    kObserved,  ///< images carry the features that points use, numbered anew; points are coloured
     kColoursOnly,  ///< points are coloured, images carry none: less memory
     kNone,         ///< features are not asked for: points are grey, images carry none
 };

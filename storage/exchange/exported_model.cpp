@@ -13,7 +13,29 @@ const Item* find_by_id(const std::vector<Item>& items, Id id) {
     return found != items.end() && found->id == id ? &*found : nullptr;
 }
 
+/// @param id  ours: a number plus one
+std::uint32_t id_in(std::span<const std::uint32_t> ids, std::uint32_t id) {
+    if (ids.empty()) return id;
+    const std::size_t number = id - 1;
+    return number < ids.size() ? ids[number]
+                               : ids.back() + static_cast<std::uint32_t>(number - ids.size() + 1);
+}
+
 }  // namespace
+
+ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> image_ids,
+                         std::span<const std::uint32_t> camera_ids) {
+    for (ExportedCamera& camera : model.cameras) camera.id = id_in(camera_ids, camera.id);
+    for (ExportedImage& image : model.images) {
+        image.id = id_in(image_ids, image.id);
+        image.camera_id = id_in(camera_ids, image.camera_id);
+    }
+    for (ExportedPoint& point : model.points) {
+        for (ExportedObservation& seen : point.track)
+            seen.image_id = id_in(image_ids, seen.image_id);
+    }
+    return model;
+}
 
 const ExportedCamera* ExportedModel::find_camera(std::uint32_t id) const {
     return find_by_id(cameras, id);

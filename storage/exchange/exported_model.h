@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,5 +69,11 @@ struct ExportedModel {
     const ExportedImage* find_image(std::uint32_t id) const;
     const ExportedPoint* find_point(std::uint64_t id) const;
 };
+
+/// A model of a session that began with another program's, with the ids that images and cameras
+/// had there: numbers 0, 1, … (our ids less one) get those of the lists, later ones what follows
+/// the largest. REQUIRES: the lists ascend
+ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> image_ids,
+                         std::span<const std::uint32_t> camera_ids);
 
 }  // namespace psfm

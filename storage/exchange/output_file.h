@@ -23,6 +23,7 @@ class OutputFile {
     explicit OutputFile(const std::filesystem::path& path);
 
     void text(std::string_view characters) { bytes(characters.data(), characters.size()); }
+    void raw(const void* data, std::size_t count) { bytes(data, count); }
     /// The shortest decimal that reads back as the same number.
     void number(double value);
     void number(std::uint64_t value);

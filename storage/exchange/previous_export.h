@@ -19,6 +19,8 @@ class PreviousExport {
     /// An absent list is an empty one. @errors kUnreadable
     static Result<PreviousExport> read(const std::filesystem::path& folder);
 
+    /// Relative to the folder, '/' between parts.
+    const std::set<std::string>& paths() const { return paths_; }
     bool wrote(const std::filesystem::path& path) const;
     void add(const std::filesystem::path& path);
     void remove(const std::filesystem::path& path);

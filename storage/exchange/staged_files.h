@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <vector>
 
 #include "graph/result.h"
@@ -14,7 +15,8 @@ namespace psfm {
 /// Files that appear together: each is written beside its place under a temporary name (".partial"
 /// appended), and only commit() gives them their names. Until then, and after any failure, what was
 /// there before is untouched; the destructor removes temporaries, and folders made for them, that
-/// were not committed. Not thread-safe.
+/// were not committed. A file whose contents are those that are there already is left alone.
+/// write() is thread-safe; the rest is not.
 class StagedFiles {
   public:
     StagedFiles() = default;
@@ -26,7 +28,15 @@ class StagedFiles {
     /// @errors kNoSpace, kIo, with the path
     Result<void> write(const std::filesystem::path& path,
                        const std::function<void(OutputFile&)>& contents);
-    /// Marks an outdated file, and its folder if that becomes empty, for removal by commit().
+    /// The same contents under a second name: a hard link where the file system has them.
+    /// @param of  written before
+    Result<void> link(const std::filesystem::path& of, const std::filesystem::path& path);
+    /// A symbolic link to a folder.
+    Result<void> link_folder(const std::filesystem::path& target,
+                             const std::filesystem::path& path);
+    /// Makes a folder if need be; commit() leaves it, also when it is empty.
+    Result<void> folder(const std::filesystem::path& path);
+    /// Marks an outdated file, and folders above it that become empty, for removal by commit().
     void remove_outdated(const std::filesystem::path& path);
 
     /// Removes what is outdated and gives all files their names.
@@ -40,8 +50,14 @@ class StagedFiles {
     };
 
     Result<void> make_folder(const std::filesystem::path& folder);
+    /// Makes the file's folder, and its temporary's name.
+    Result<std::filesystem::path> begin(const std::filesystem::path& path);
+    void stage_unless_equal(const std::filesystem::path& temporary,
+                            const std::filesystem::path& path);
 
+    std::mutex mutex_;
     std::vector<Staged> staged_;
+    std::vector<std::filesystem::path> begun_;  ///< temporaries that may be there
     std::vector<std::filesystem::path> outdated_;
     std::vector<std::filesystem::path> made_folders_;  ///< outermost first
 };

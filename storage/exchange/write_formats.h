@@ -10,6 +10,7 @@
 
 #include "storage/exchange/exported_model.h"
 #include "storage/exchange/staged_files.h"
+#include "storage/exchange/write_models.h"
 
 namespace psfm {
 
@@ -22,10 +23,9 @@ Result<void> stage_colmap_binary(const ExportedModel& model, const std::filesyst
 Result<void> stage_colmap_text(const ExportedModel& model, const std::filesystem::path& place,
                                StagedFiles& files);
 
-enum class PlyContents { kPoints, kPointsAndCameras };
-
 /// PLACE.ply, binary little-endian: vertices with x y z (float) and red green blue; after the
-/// points the camera centres, in pure green.
+/// points the camera centres, in pure green. Coordinates are less float_origin(model), which a
+/// comment `origin X Y Z` tells where it is not zero.
 Result<void> stage_ply(const ExportedModel& model, const std::filesystem::path& place,
                        PlyContents contents, StagedFiles& files);
 
@@ -42,15 +42,18 @@ Result<void> stage_bundler(const ExportedModel& model, const std::filesystem::pa
                            StagedFiles& files);
 
 /// PLACE/transforms.json (nerfstudio, instant-ngp) and PLACE/sparse_pc.ply. Poses are
-/// world_from_camera with OpenGL's camera axes; the world is left as it is. Photographs are named
-/// by their full path when the folder is given, else by their relative name.
+/// world_from_camera with OpenGL's camera axes; the world is left as it is.
+/// @param image_folder  that the images' names are in, as PLACE sees it
 Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem::path& place,
-                              const std::filesystem::path& photo_folder, StagedFiles& files);
+                              const std::filesystem::path& image_folder, PlyContents points,
+                              StagedFiles& files);
 
 /// PLACE.gltf and PLACE.bin (glTF 2.0): the points as a mesh of POINTS, every image as a node with
-/// a perspective camera; lens distortion and the offset of the principal point have no place in
-/// glTF.
+/// a perspective camera, all below a node `world` that turns up to +y, glTF's own. Coordinates are
+/// less float_origin(model), which the node's extras tell. Lens distortion and the offset of the
+/// principal point have no place in glTF.
+/// @param up  in the model's frame, unit length
 Result<void> stage_gltf(const ExportedModel& model, const std::filesystem::path& place,
-                        StagedFiles& files);
+                        const Eigen::Vector3d& up, StagedFiles& files);
 
 }  // namespace psfm

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "storage/exchange/dataset_model.h"
 #include "storage/exchange/write_formats.h"
 
 namespace psfm {
@@ -20,13 +21,17 @@ constexpr int kPoints = 0;
 constexpr std::size_t kPositionBytes = 3 * sizeof(float);
 constexpr std::size_t kColourBytes = 4;  // with alpha: elements have to start at multiples of four
 
-void add_points(const ExportedModel& model, const std::string& buffer_name, Json& gltf) {
+void add_points(const ExportedModel& model, const Eigen::Vector3d& origin,
+                const std::string& buffer_name, Json& gltf) {
     const std::size_t count = model.points.size();
-    Eigen::Vector3f lowest = model.points.front().position.cast<float>();
+    const auto place = [&](const ExportedPoint& point) -> Eigen::Vector3f {
+        return (point.position - origin).cast<float>();
+    };
+    Eigen::Vector3f lowest = place(model.points.front());
     Eigen::Vector3f highest = lowest;
     for (const ExportedPoint& point : model.points) {
-        lowest = lowest.cwiseMin(point.position.cast<float>());
-        highest = highest.cwiseMax(point.position.cast<float>());
+        lowest = lowest.cwiseMin(place(point));
+        highest = highest.cwiseMax(place(point));
     }
     const std::size_t positions = count * kPositionBytes;
     const std::size_t colours = count * kColourBytes;
@@ -56,9 +61,10 @@ void add_points(const ExportedModel& model, const std::string& buffer_name, Json
         Json::array({Json{{"name", "points"}, {"primitives", Json::array({primitive})}}});
 }
 
-void write_points(const ExportedModel& model, OutputFile& file) {
+void write_points(const ExportedModel& model, const Eigen::Vector3d& origin, OutputFile& file) {
     for (const ExportedPoint& point : model.points) {
-        for (const double value : point.position) file.little_endian(static_cast<float>(value));
+        const Eigen::Vector3d place = point.position - origin;
+        for (const double value : place) file.little_endian(static_cast<float>(value));
     }
     constexpr std::uint8_t kOpaque = 255;
     for (const ExportedPoint& point : model.points) {
@@ -77,34 +83,49 @@ Json camera_json(const ExportedCamera& item) {
             {"perspective", perspective}};
 }
 
-Json node_json(const ExportedModel& model, const ExportedImage& image) {
+Json node_json(const ExportedModel& model, const Eigen::Vector3d& origin,
+               const ExportedImage& image) {
     // glTF's camera has y up and looks down -z: half a turn about x.
     const Eigen::Quaterniond half_turn(0.0, 1.0, 0.0, 0.0);
     const Eigen::Quaterniond rotation =
         (image.cam_from_world.rotation.conjugate() * half_turn).normalized();
-    const Eigen::Vector3d centre = image.cam_from_world.target_origin_in_source();
+    const Eigen::Vector3d centre = image.cam_from_world.target_origin_in_source() - origin;
     return {{"name", image.name},
             {"camera", model.find_camera(image.camera_id) - model.cameras.data()},
             {"rotation", {rotation.x(), rotation.y(), rotation.z(), rotation.w()}},
             {"translation", {centre.x(), centre.y(), centre.z()}}};
 }
 
+/// All below one node that turns the model upright.
+Json world_json(const Eigen::Vector3d& origin, const Eigen::Vector3d& up, std::size_t children) {
+    const Eigen::Quaterniond upright =
+        Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY());
+    Json node{{"name", "world"},
+              {"rotation", {upright.x(), upright.y(), upright.z(), upright.w()}},
+              {"extras", {{"origin", {origin.x(), origin.y(), origin.z()}}}}};
+    Json numbers = Json::array();
+    for (std::size_t i = 1; i <= children; ++i) numbers.push_back(i);
+    if (children > 0) node["children"] = std::move(numbers);
+    return node;
+}
+
 }  // namespace
 
 Result<void> stage_gltf(const ExportedModel& model, const std::filesystem::path& place,
-                        StagedFiles& files) {
+                        const Eigen::Vector3d& up, StagedFiles& files) {
+    const Eigen::Vector3d origin = float_origin(model);
     Json gltf{{"asset", {{"version", "2.0"}, {"generator", "psfm"}}}, {"scene", 0}};
-    Json nodes = Json::array();
+    Json nodes = Json::array({Json::object()});
     if (!model.points.empty()) {
-        add_points(model, place.filename().string() + ".bin", gltf);
+        add_points(model, origin, place.filename().string() + ".bin", gltf);
         nodes.push_back({{"name", "points"}, {"mesh", 0}});
     }
     Json cameras = Json::array();
     for (const ExportedCamera& camera : model.cameras) cameras.push_back(camera_json(camera));
-    for (const ExportedImage& image : model.images) nodes.push_back(node_json(model, image));
-    Json roots = Json::array();
-    for (std::size_t i = 0; i < nodes.size(); ++i) roots.push_back(i);
-    gltf["scenes"] = Json::array({Json{{"nodes", roots}}});
+    for (const ExportedImage& image : model.images)
+        nodes.push_back(node_json(model, origin, image));
+    nodes[0] = world_json(origin, up, nodes.size() - 1);
+    gltf["scenes"] = Json::array({Json{{"nodes", {0}}}});
     gltf["nodes"] = std::move(nodes);
     if (!cameras.empty()) gltf["cameras"] = std::move(cameras);
 
@@ -112,7 +133,7 @@ Result<void> stage_gltf(const ExportedModel& model, const std::filesystem::path&
     const std::string text = gltf.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
     if (!model.points.empty()) {
         auto written = files.write(place.string() + ".bin",
-                                   [&](OutputFile& file) { write_points(model, file); });
+                                   [&](OutputFile& file) { write_points(model, origin, file); });
         if (!written) return written;
     }
     return files.write(place.string() + ".gltf", [&](OutputFile& file) { file.text(text); });

@@ -15,6 +15,9 @@ namespace {
 constexpr std::array<std::string_view, 7> kNames{"colmap",  "colmap-text", "ply", "nvm",
                                                  "bundler", "nerfstudio",  "gltf"};
 
+constexpr std::array<std::string_view, 3> kGeoNames{"geo.txt", "georeference.json",
+                                                    "shots.geojson"};
+
 using Paths = std::vector<std::filesystem::path>;
 
 /// Files of one model; `place` is DIR/N. The first one, or the folder if there is one, stands for
@@ -32,7 +35,7 @@ Paths files_of(ExportFormat format, const std::filesystem::path& place) {
         case ExportFormat::kBundler:
             return {place / "bundle.out", place / "list.txt"};
         case ExportFormat::kNerfstudio:
-            return {place / "transforms.json", place / "sparse_pc.ply"};
+            return {place / "transforms.json", place / "sparse_pc.ply", place / "images"};
         case ExportFormat::kGltf:
             return {place.string() + ".gltf", place.string() + ".bin"};
     }
@@ -44,7 +47,18 @@ bool has_own_folder(ExportFormat format) {
            format == ExportFormat::kBundler || format == ExportFormat::kNerfstudio;
 }
 
-Result<void> stage(const ExportedModel& model, ExportFormat format,
+/// The photographs are where they are: a link to their folder makes their paths relative, which
+/// readers that look at nothing outside of the model's folder need, and other machines.
+Result<void> stage_nerfstudio_model(const ExportedModel& model, const std::filesystem::path& place,
+                                    const std::filesystem::path& photos, StagedFiles& files) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(photos, ignored)) {
+        if (auto linked = files.link_folder(photos, place / "images"); !linked) return linked;
+    }
+    return stage_nerfstudio(model, place, "images", PlyContents::kPoints, files);
+}
+
+Result<void> stage(const ExportedModel& model, std::size_t number, ExportFormat format,
                    const std::filesystem::path& place, const WriteModelsOptions& options,
                    StagedFiles& files) {
     switch (format) {
@@ -53,22 +67,25 @@ Result<void> stage(const ExportedModel& model, ExportFormat format,
         case ExportFormat::kColmapText:
             return stage_colmap_text(model, place, files);
         case ExportFormat::kPly:
-            return stage_ply(model, place, PlyContents::kPointsAndCameras, files);
+            return stage_ply(model, place, options.ply, files);
         case ExportFormat::kNvm:
             return stage_nvm(model, place, files);
         case ExportFormat::kBundler:
             return stage_bundler(model, place, files);
         case ExportFormat::kNerfstudio:
-            return stage_nerfstudio(model, place, options.photo_folder, files);
+            return stage_nerfstudio_model(model, place, options.photo_folder, files);
         case ExportFormat::kGltf:
-            return stage_gltf(model, place, files);
+            return stage_gltf(
+                model, place,
+                number < options.up.size() ? options.up[number] : -Eigen::Vector3d::UnitY(), files);
     }
     return Error{ErrorCode::kInvalidArgument, "unknown export format"};
 }
 
 bool is_there(const std::filesystem::path& path) {
     std::error_code ignored;
-    return std::filesystem::exists(path, ignored);
+    return std::filesystem::symlink_status(path, ignored).type() !=
+           std::filesystem::file_type::not_found;
 }
 
 Error not_ours(const std::filesystem::path& path) {
@@ -105,16 +122,20 @@ Result<void> settle_previous(std::size_t models, ExportFormat format,
     }
 }
 
-/// The same for the file that tells where on the earth the models stand.
-Result<void> settle_geo_text(const std::filesystem::path& path, bool wanted,
-                             PreviousExport& previous, StagedFiles& files) {
-    const bool ours = previous.wrote(path);
-    if (wanted) {
-        if (is_there(path) && !ours) return not_ours(path);
-        previous.add(path);
-    } else if (ours) {
-        if (is_there(path)) files.remove_outdated(path);
-        previous.remove(path);
+/// The same for the files that tell where on the earth the models stand.
+Result<void> settle_geo_files(const std::filesystem::path& folder,
+                              const std::map<std::string, std::string>& wanted,
+                              PreviousExport& previous, StagedFiles& files) {
+    for (const std::string_view name : kGeoNames) {
+        const std::filesystem::path path = folder / name;
+        const bool ours = previous.wrote(path);
+        if (wanted.contains(std::string(name))) {
+            if (is_there(path) && !ours) return not_ours(path);
+            previous.add(path);
+        } else if (ours) {
+            if (is_there(path)) files.remove_outdated(path);
+            previous.remove(path);
+        }
     }
     return {};
 }
@@ -123,6 +144,10 @@ Result<void> settle_geo_text(const std::filesystem::path& path, bool wanted,
 
 std::span<const std::string_view> export_format_names() {
     return kNames;
+}
+
+std::span<const std::string_view> geo_file_names() {
+    return kGeoNames;
 }
 
 std::optional<ExportFormat> export_format_from_name(std::string_view name) {
@@ -160,21 +185,18 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
     if (auto settled = settle_previous(models.size(), format, folder, *previous, files); !settled) {
         return settled.error();
     }
-    const std::filesystem::path geo_path = folder / "geo.txt";
-    if (auto settled = settle_geo_text(geo_path, !options.geo_text.empty(), *previous, files);
-        !settled) {
+    if (auto settled = settle_geo_files(folder, options.geo_files, *previous, files); !settled)
         return settled.error();
-    }
     // The list comes first: should the machine stop between two files, none of them is a stranger.
     if (auto staged = previous->stage(files); !staged) return staged.error();
-    if (!options.geo_text.empty()) {
-        auto staged = files.write(geo_path, [&](OutputFile& file) { file.text(options.geo_text); });
+    for (const auto& [name, text] : options.geo_files) {
+        auto staged = files.write(folder / name, [&](OutputFile& file) { file.text(text); });
         if (!staged) return staged.error();
     }
     Paths written;
     for (std::size_t n = 0; n < models.size(); ++n) {
         const std::filesystem::path place = folder / std::to_string(n);
-        if (auto staged = stage(models[n], format, place, options, files); !staged)
+        if (auto staged = stage(models[n], n, format, place, options, files); !staged)
             return staged.error();
         written.push_back(has_own_folder(format) ? place : files_of(format, place).front());
     }

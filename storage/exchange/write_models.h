@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,14 +36,28 @@ std::optional<ExportFormat> export_format_from_name(std::string_view name);
 /// What a format makes of features: those without 2D observations need their colours only.
 FeatureUse feature_use(ExportFormat format);
 
-struct WriteModelsOptions {
-    /// Where the photographs are, for formats that refer to them by path (nerfstudio). Empty: names
-    /// only.
-    std::filesystem::path photo_folder = {};
-    /// Contents of DIR/geo.txt, which tells where on the earth the models stand. Empty: they stand
-    /// nowhere, and such a file of an earlier export is removed.
-    std::string geo_text = {};
+enum class PlyContents {
+    kPoints,
+    kPointsWithNormals,  ///< of zero: 3DGS's own trainer wants some
+    kPointsAndCameras,
 };
+
+struct WriteModelsOptions {
+    /// Where the photographs are, for formats that refer to them by path (nerfstudio: the model's
+    /// folder gets a link `images` to it). Empty, or no folder: no link.
+    std::filesystem::path photo_folder = {};
+    /// What PLY files hold.
+    PlyContents ply = PlyContents::kPointsAndCameras;
+    /// Files of DIR that tell where on the earth the models stand, by name. Those of an earlier
+    /// export that are not among them are removed.
+    std::map<std::string, std::string> geo_files = {};
+    /// Where up is in each model's frame, for formats with an up of their own (glTF). Fewer than
+    /// models: -y, as in a camera's frame.
+    std::vector<Eigen::Vector3d> up = {};
+};
+
+/// Names of files that WriteModelsOptions::geo_files may have.
+std::span<const std::string_view> geo_file_names();
 
 /// Writes models into a folder, which is made if need be. All files appear together at the end, so
 /// that a failure leaves no half-written file and an earlier export as it was. Files of an earlier

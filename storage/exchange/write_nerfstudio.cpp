@@ -45,7 +45,8 @@ Json transform_matrix(const Rigid3& cam_from_world) {
 }  // namespace
 
 Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem::path& place,
-                              const std::filesystem::path& photo_folder, StagedFiles& files) {
+                              const std::filesystem::path& image_folder, PlyContents points,
+                              StagedFiles& files) {
     Json json{{"camera_model", "OPENCV"}};
     // Per-image values are ignored where global ones exist, so these are for a single camera only.
     const bool one_camera = model.cameras.size() == 1;
@@ -53,7 +54,7 @@ Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem:
     json["ply_file_path"] = "sparse_pc.ply";
     json["frames"] = Json::array();
     for (const ExportedImage& image : model.images) {
-        Json frame{{"file_path", (photo_folder / image.name).generic_string()}};
+        Json frame{{"file_path", (image_folder / image.name).generic_string()}};
         if (!one_camera) add_intrinsics(model.find_camera(image.camera_id)->camera, frame);
         frame["transform_matrix"] = transform_matrix(image.cam_from_world);
         frame["colmap_im_id"] = image.id;
@@ -70,7 +71,7 @@ Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem:
     auto written =
         files.write(place / "transforms.json", [&](OutputFile& file) { file.text(text); });
     if (!written) return written;
-    return stage_ply(model, place / "sparse_pc", PlyContents::kPoints, files);
+    return stage_ply(model, place / "sparse_pc", points, files);
 }
 
 }  // namespace psfm

@@ -118,8 +118,8 @@ TEST_F(RenderPhotographs, CarryExif) {
         Exiv2::ExifData& exif = image->exifData();
         EXPECT_EQ(exif["Exif.Image.Make"].toString(), "PSFM");
         EXPECT_EQ(exif["Exif.Image.Model"].toString(), "Render One");
-        EXPECT_EQ(exif["Exif.Image.Orientation"].toLong(), orientations[i]);
-        EXPECT_EQ(exif["Exif.Photo.FocalLengthIn35mmFilm"].toLong(), 28);
+        EXPECT_EQ(exif["Exif.Image.Orientation"].toFloat(), orientations[i]);
+        EXPECT_EQ(exif["Exif.Photo.FocalLengthIn35mmFilm"].toFloat(), 28);
         EXPECT_NEAR(exif["Exif.Photo.FocalLength"].toFloat(), 5.6F, 1e-4F);
         const auto degrees = [&](const char* key) {
             const Exiv2::Exifdatum& value = exif[key];

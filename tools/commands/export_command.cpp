@@ -11,11 +11,14 @@
 #include <memory>
 #include <optional>
 
+#include "storage/exchange/dataset_model.h"
 #include "storage/exchange/export_models.h"
 #include "storage/exchange/write_models.h"
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/export_database.h"
+#include "tools/commands/export_dataset.h"
+#include "tools/commands/geo_files.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/wording.h"
@@ -30,6 +33,8 @@ struct ExportArguments {
     std::string format;
     std::string output;
     std::optional<std::uint32_t> after_image;
+    bool points_only = false;
+    DatasetArguments dataset;
 };
 
 Result<Scene> scene_to_export(const SessionReader& session, const ExportArguments& arguments) {
@@ -54,7 +59,19 @@ void print_summary(const std::vector<ExportedModel>& models,
     std::cout << std::flush;
 }
 
-int run_export(const ExportArguments& arguments) {
+int run_export(const CLI::App& command, const ExportArguments& arguments) {
+    if (arguments.format == kDatasetFormat) {
+        return export_dataset(arguments.session, arguments.output, arguments.after_image,
+                              arguments.dataset);
+    }
+    if (const auto option = given_dataset_option(command)) {
+        std::cerr << "psfm: " << *option << " goes with --format dataset only\n";
+        return kUsageError;
+    }
+    if (arguments.points_only && arguments.format != "ply") {
+        std::cerr << "psfm: --points-only goes with --format ply only\n";
+        return kUsageError;
+    }
     if (arguments.format == kDatabaseFormat) {
         if (!arguments.after_image) return export_database(arguments.session, arguments.output);
         std::cerr << "psfm: --after-image is about models, and a database has none: leave it out, "
@@ -88,15 +105,27 @@ int run_export(const ExportArguments& arguments) {
             << "psfm: only poses of this version are kept, so the export has no points; a session "
                "made with --history full keeps them\n";
     }
-    const auto reference = world_reference_of(*models, *images);
-    const auto written =
-        write_models(*models, *format, arguments.output,
-                     {.photo_folder = settings->photo_folder,
-                      .geo_text = reference ? geo_text(*reference) : std::string()});
+    const auto known =
+        std::span(*images).first(std::min<std::size_t>(scene->image_count, images->size()));
+    const auto reference = world_reference_of(*models, known);
+    WriteModelsOptions options{
+        .photo_folder = settings->photo_folder,
+        .ply = arguments.points_only ? PlyContents::kPoints : PlyContents::kPointsAndCameras};
+    std::vector<GeoPart> parts;
+    for (const ExportedModel& model : *models) {
+        const bool floats = *format == ExportFormat::kPly || *format == ExportFormat::kGltf;
+        parts.push_back(
+            {parts.size(), &model, floats ? float_origin(model) : Eigen::Vector3d::Zero()});
+        options.up.push_back(up_in_model(model, known, reference.has_value()));
+    }
+    options.geo_files = geo_files(reference, parts, known);
+    const auto written = write_models(*models, *format, arguments.output, options);
     if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
     print_summary(*models, *written);
     if (reference)
         std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;
+    if (const std::string trouble = position_trouble(reference, *models, known); !trouble.empty())
+        std::cerr << "psfm: " << trouble << '\n';
     return 0;
 }
 
@@ -113,6 +142,7 @@ void add_export_command(CLI::App& app, int& exit_code) {
     const auto models = export_format_names();
     std::vector<std::string> names(models.begin(), models.end());
     names.emplace_back(kDatabaseFormat);
+    names.emplace_back(kDatasetFormat);
     command->add_option("--format", arguments->format, "what to write")
         ->required()
         ->type_name("FORMAT")
@@ -125,6 +155,9 @@ void add_export_command(CLI::App& app, int& exit_code) {
                      "the model as it was after this many images, instead of the latest one")
         ->check(CLI::Range(1U, std::numeric_limits<std::uint32_t>::max()))
         ->type_name("N");
+    command->add_flag("--points-only", arguments->points_only,
+                      "--format ply without the camera centres, which splatting would begin with");
+    add_dataset_options(*command, arguments->dataset);
     command->footer(
         "One model an effective cluster, largest first:\n"
         "  colmap, colmap-text  OUTPUT/0, OUTPUT/1, ...: open them with COLMAP and its friends\n"
@@ -133,6 +166,9 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "  bundler              OUTPUT/0/bundle.out and list.txt, ...\n"
         "  nerfstudio           OUTPUT/0/transforms.json and sparse_pc.ply, ...: also instant-ngp\n"
         "  gltf                 OUTPUT/0.gltf and 0.bin, ...: Blender and web viewers\n"
+        "For Gaussian splatting and multi-view stereo:\n"
+        "  dataset              OUTPUT/0, ...: undistorted upright pictures, COLMAP's and\n"
+        "                       nerfstudio's model of them; again later: what has changed only\n"
         "No model, but what models are made of:\n"
         "  colmap-database      OUTPUT/database.db: cameras, images, features and verified "
         "matches,\n"
@@ -145,8 +181,10 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "Examples:\n"
         "  psfm export --session my-session --format colmap --output exported\n"
         "  psfm export --session my-session --format ply --output early --after-image 20\n"
+        "  psfm export --session my-session --format dataset --output train-me --reduced 2 4 8\n"
         "  psfm export --session my-session --format colmap-database --output for-colmap");
-    command->callback([arguments, &exit_code] { exit_code = run_export(*arguments); });
+    command->callback(
+        [command, arguments, &exit_code] { exit_code = run_export(*command, *arguments); });
 }
 
 }  // namespace psfm

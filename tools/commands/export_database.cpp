@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/export_database.h"
 
-#include <unistd.h>
-
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,31 +10,11 @@
 #include "storage/exchange/colmap_database.h"
 #include "storage/exchange/previous_export.h"
 #include "storage/session_store.h"
+#include "tools/commands/count_line.h"
 #include "tools/commands/report_error.h"
 
 namespace psfm {
 namespace {
-
-/// "done/count what" on a line of stderr that is rewritten, when that is a terminal.
-class CountLine {
-  public:
-    CountLine(const char* what, std::size_t count) : what_(what), count_(count) {}
-    CountLine(const CountLine&) = delete;
-    CountLine& operator=(const CountLine&) = delete;
-    ~CountLine() {
-        if (terminal_) std::cerr << "\r\x1b[K" << std::flush;
-    }
-    void advance() {
-        ++done_;
-        if (terminal_) std::cerr << "\r\x1b[K" << done_ << '/' << count_ << what_ << std::flush;
-    }
-
-  private:
-    const char* what_;
-    std::size_t count_;
-    std::size_t done_ = 0;
-    bool terminal_ = isatty(STDERR_FILENO) == 1;
-};
 
 /// A failure, and what to blame.
 struct Failure {

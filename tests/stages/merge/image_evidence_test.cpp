@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <vector>
 
 namespace psfm {
 namespace {
@@ -38,6 +40,53 @@ TEST(ImageEvidence, TheDatumIsTheFirstPlausiblePosition) {
     EXPECT_EQ(datum_of(evidence), (GpsPosition{0.0, 9.0, 0.0}));
     EXPECT_EQ(find_evidence(evidence, ImageId{8}), &evidence.back());
     EXPECT_EQ(find_evidence(evidence, ImageId{7}), nullptr);
+}
+
+constexpr GpsPosition kLund{55.7, 13.2, 50.0};
+constexpr GpsPosition kSydney{-33.9, 151.2, 10.0};
+
+std::vector<ImageEvidence> evidence_at(const std::vector<GpsPosition>& positions) {
+    std::vector<ImageEvidence> evidence;
+    for (const GpsPosition& position : positions) {
+        GpsPosition moved = position;
+        moved.latitude_deg += 1e-4 * static_cast<double>(evidence.size());
+        evidence.push_back({static_cast<ImageId>(evidence.size()), moved});
+    }
+    return evidence;
+}
+
+TEST(ImageEvidence, AWrongFixIsNoDatum) {
+    std::vector<GpsPosition> positions(12, kLund);
+    for (std::size_t wrong = 0; wrong < 12; ++wrong) {
+        auto one_wrong = positions;
+        one_wrong[wrong] = kSydney;
+        const auto datum = datum_of(evidence_at(one_wrong));
+        ASSERT_TRUE(datum);
+        EXPECT_NEAR(datum->latitude_deg, 55.7, 0.01) << wrong;
+        EXPECT_NEAR(datum->latitude_deg - 55.7, wrong == 0 ? 1e-4 : 0.0, 1e-9) << wrong;
+    }
+    // An old fix, kept until the receiver had a new one.
+    positions[0] = positions[1] = positions[2] = kSydney;
+    EXPECT_NEAR(datum_of(evidence_at(positions))->latitude_deg, 55.7, 0.01);
+}
+
+TEST(ImageEvidence, ASessionThatGoesOnElsewhereKeepsItsDatum) {
+    std::vector<GpsPosition> positions(10, kLund);
+    for (int day = 0; day < 19; ++day) {
+        positions.push_back(kSydney);
+        EXPECT_NEAR(datum_of(evidence_at(positions))->latitude_deg, 55.7, 1e-9) << day;
+    }
+}
+
+TEST(ImageEvidence, AWayOfManyKilometresIsOnePlace) {
+    std::vector<GpsPosition> positions;
+    for (int step = 0; step < 60; ++step)
+        positions.push_back({55.7, 13.2 + 0.1 * step, std::nullopt});  // 6 km each
+    EXPECT_NEAR(datum_of(evidence_at(positions))->longitude_deg, 13.2, 1e-9);
+    // Across the date line, too.
+    for (GpsPosition& position : positions)
+        position.longitude_deg = std::remainder(position.longitude_deg + 165.0, 360.0);
+    EXPECT_NEAR(datum_of(evidence_at(positions))->longitude_deg, 178.2, 1e-9);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "storage/exchange/write_models.h"
@@ -180,7 +181,7 @@ TEST_F(WriteFormats, NerfstudioReprojects) {
     EXPECT_FALSE(json.contains("fl_x"));  // several cameras: intrinsics by frame
     for (std::size_t i = 0; i < model_.images.size(); ++i) {
         const auto& frame = json["frames"][i];
-        EXPECT_EQ(frame["file_path"], "/photos/" + model_.images[i].name);
+        EXPECT_EQ(frame["file_path"], "images/" + model_.images[i].name);
         Eigen::Matrix4d matrix;
         for (int row = 0; row < 4; ++row) {
             for (int column = 0; column < 4; ++column) {
@@ -211,7 +212,7 @@ TEST_F(WriteFormats, NerfstudioWithOneCameraHasGlobalIntrinsics) {
     EXPECT_EQ(json["p2"], 0.002);
     EXPECT_EQ(json["w"], 1200);
     EXPECT_FALSE(json["frames"][0].contains("fl_x"));
-    EXPECT_EQ(json["frames"][0]["file_path"], model_.images[0].name);
+    EXPECT_EQ(json["frames"][0]["file_path"], "images/" + model_.images[0].name);
 }
 
 TEST_F(WriteFormats, GltfIsConsistentAndReprojects) {
@@ -238,10 +239,12 @@ TEST_F(WriteFormats, GltfIsConsistentAndReprojects) {
         EXPECT_EQ(static_cast<std::uint8_t>(buffer[count * 12 + 4 * i + 3]), 255);
     }
     EXPECT_EQ(json["accessors"][0]["min"][2].get<float>(), lowest.z());
-    ASSERT_EQ(json["nodes"].size(), 1 + model_.images.size());
-    EXPECT_EQ(json["scenes"][0]["nodes"].size(), json["nodes"].size());
+    // All stand below one node, which turns them upright.
+    ASSERT_EQ(json["nodes"].size(), 2 + model_.images.size());
+    EXPECT_EQ(json["scenes"][0]["nodes"], nlohmann::json::array({0}));
+    EXPECT_EQ(json["nodes"][0]["children"].size(), json["nodes"].size() - 1);
     for (std::size_t i = 0; i < model_.images.size(); ++i) {
-        const auto& node = json["nodes"][i + 1];
+        const auto& node = json["nodes"][i + 2];
         EXPECT_EQ(node["name"], model_.images[i].name);
         const auto& perspective = json["cameras"][node["camera"].get<std::size_t>()]["perspective"];
         const auto& r = node["rotation"];
@@ -266,12 +269,82 @@ TEST_F(WriteFormats, GltfIsConsistentAndReprojects) {
     }
 }
 
+TEST_F(WriteFormats, GltfIsUpright) {
+    const std::vector<ExportedModel> models{model_};
+    for (const Eigen::Vector3d& up :
+         {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(0.6, 0, -0.8)}) {
+        WriteModelsOptions options;
+        options.up = {up};
+        ASSERT_TRUE(write_models(models, ExportFormat::kGltf, folder_.path(), options));
+        const auto json = nlohmann::json::parse(test::file_bytes(folder_.path() / "0.gltf"));
+        const auto& r = json["nodes"][0]["rotation"];
+        const Eigen::Quaterniond world(r[3].get<double>(), r[0].get<double>(), r[1].get<double>(),
+                                       r[2].get<double>());
+        EXPECT_LT((world * up - Eigen::Vector3d::UnitY()).norm(), 1e-12) << up.transpose();
+    }
+}
+
+// Some 10,000 km from the origin 32-bit floats are a metre apart.
+TEST_F(WriteFormats, FloatsSurviveFarFromTheOrigin) {
+    const Eigen::Vector3d far(9.1e6, -3.3e6, 5.0e5);
+    const std::vector<ExportedModel> near_models{model_};
+    for (ExportedPoint& point : model_.points) point.position += far;
+    for (ExportedImage& image : model_.images)
+        image.cam_from_world.translation -= image.cam_from_world.rotation * far;
+    const std::vector<ExportedModel> models{model_};
+    ASSERT_TRUE(write_models(models, ExportFormat::kPly, folder_.path()));
+    const std::string ply = test::file_bytes(folder_.path() / "0.ply");
+    std::istringstream header(ply.substr(ply.find("comment origin ") + 15, 100));
+    Eigen::Vector3d origin;
+    header >> origin.x() >> origin.y() >> origin.z();
+    EXPECT_LT((origin - far).norm(), 10.0);
+    const char* vertices = ply.data() + ply.find("end_header\n") + 11;
+    std::set<std::array<float, 3>> places;
+    for (std::size_t i = 0; i < model_.points.size(); ++i) {
+        std::array<float, 3> place{};
+        std::memcpy(place.data(), vertices + 15 * i, 12);
+        places.insert(place);
+        const Eigen::Vector3d restored = origin + Eigen::Vector3d(place[0], place[1], place[2]);
+        EXPECT_LT((restored - model_.points[i].position).norm(), 1e-5);
+    }
+    EXPECT_EQ(places.size(), model_.points.size());
+    ASSERT_TRUE(write_models(models, ExportFormat::kGltf, folder_.path()));
+    const auto json = nlohmann::json::parse(test::file_bytes(folder_.path() / "0.gltf"));
+    EXPECT_EQ(json["nodes"][0]["extras"]["origin"][0].get<double>(), origin.x());
+    EXPECT_LT(std::abs(json["accessors"][0]["max"][0].get<double>()), 100.0);
+    // Near it nothing is shifted.
+    ASSERT_TRUE(write_models(near_models, ExportFormat::kPly, folder_.path()));
+    EXPECT_EQ(test::file_bytes(folder_.path() / "0.ply").find("comment origin"), std::string::npos);
+}
+
+TEST_F(WriteFormats, PlyOfPointsOnlyHasNoCameras) {
+    const std::vector<ExportedModel> models{model_};
+    WriteModelsOptions options;
+    options.ply = PlyContents::kPoints;
+    ASSERT_TRUE(write_models(models, ExportFormat::kPly, folder_.path(), options));
+    const std::string ply = test::file_bytes(folder_.path() / "0.ply");
+    EXPECT_NE(ply.find("element vertex " + std::to_string(model_.points.size()) + "\n"),
+              std::string::npos);
+}
+
+// Brush reads nothing outside of the folder, and other machines have other paths.
+TEST_F(WriteFormats, NerfstudioFindsThePhotographsByRelativePath) {
+    test::put_file(folder_.path() / "photos" / "folder" / "photo_0.jpg", "pixels");
+    const auto json = nlohmann::json::parse(write(ExportFormat::kNerfstudio, "0/transforms.json",
+                                                  (folder_.path() / "photos").string()));
+    const auto place = folder_.path() / "0";
+    const std::string path = json["frames"][0]["file_path"];
+    EXPECT_EQ(test::file_bytes(place / path), "pixels");
+    write(ExportFormat::kNerfstudio, "0/transforms.json", (folder_.path() / "photos").string());
+    EXPECT_EQ(test::file_bytes(place / path), "pixels");
+}
+
 TEST_F(WriteFormats, GltfWithoutPointsHasNoBuffer) {
     model_ = test::example_model(3, 0, 1);
     const auto json = nlohmann::json::parse(write(ExportFormat::kGltf, "0.gltf"));
     EXPECT_FALSE(json.contains("buffers"));
     EXPECT_FALSE(json.contains("meshes"));
-    EXPECT_EQ(json["nodes"].size(), 3U);
+    EXPECT_EQ(json["nodes"].size(), 4U);
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "0.bin"));
 }
 

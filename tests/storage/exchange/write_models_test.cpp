@@ -49,7 +49,7 @@ TEST(WriteModels, GeoTextComesAndGoesWithTheExport) {
     const auto models = example_models(1);
     const auto geo = folder.path() / "geo.txt";
     WriteModelsOptions options;
-    options.geo_text = "datum_latitude_deg 55.7\n";
+    options.geo_files = {{"geo.txt", "datum_latitude_deg 55.7\n"}};
     ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path(), options).ok());
     EXPECT_TRUE(std::filesystem::exists(geo));
     ASSERT_TRUE(write_models(models, ExportFormat::kColmap, folder.path(), options).ok());

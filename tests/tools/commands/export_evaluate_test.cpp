@@ -247,7 +247,7 @@ TEST_F(SessionCommands, EveryFormatIsWritten) {
     }
     const Json json =
         Json::parse(test::file_bytes(folder_.path() / "nerfstudio/0/transforms.json"));
-    EXPECT_EQ(json["frames"][0]["file_path"], "/photos/" + truth_[0].name);
+    EXPECT_EQ(json["frames"][0]["file_path"], "images/" + truth_[0].name);
 }
 
 TEST_F(SessionCommands, SessionWithoutAModel) {

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/undistortion/undistort_photo.h"
+
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "stages/features/read_file_bytes.h"
+#include "stages/features/read_photo.h"
+#include "stages/features/text.h"
+#include "stages/undistortion/warp_photo.h"
+
+namespace psfm {
+namespace {
+
+Error about(const PhotoFile& photo, const std::string& what,
+            ErrorCode code = ErrorCode::kInvalidArgument) {
+    return {code, printable(photo.name) + ": " + what};
+}
+
+std::vector<std::uint8_t> encode(const cv::Mat& picture, const std::string& extension,
+                                 int jpeg_quality) {
+    std::vector<int> parameters;
+    // Fast and nearly as small as can be: run lengths and Huffman codes do most of it.
+    constexpr int kPngCompression = 3;
+    if (extension == ".jpg") parameters = {cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
+    if (extension == ".png") parameters = {cv::IMWRITE_PNG_COMPRESSION, kPngCompression};
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(extension, picture, bytes, parameters);
+    return bytes;
+}
+
+bool is_written_as(PhotoFormat format, const std::string& extension) {
+    return extension == ".jpg" ? format == PhotoFormat::kJpeg : format == PhotoFormat::kPng;
+}
+
+Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_hash,
+                                std::uint8_t orientation, const UndistortedView& view,
+                                const PictureOptions& options) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(photo.path, ignored)) {
+        return about(photo,
+                     "is not in its folder any more: put it back, or name the folder with "
+                     "--images",
+                     ErrorCode::kNotFound);
+    }
+    Result<DecodedPhoto> decoded = read_photo(photo, options.read);
+    if (!decoded) return decoded.error();
+    if (decoded->content_hash != content_hash) {
+        return about(photo,
+                     "is not the photograph that the session knows (its content has "
+                     "changed): put the old one back");
+    }
+    cv::Mat source = std::exchange(decoded->colour, {});
+    decoded->grey.release();
+    if (source.cols != static_cast<int>(view.photo.width) ||
+        source.rows != static_cast<int>(view.photo.height)) {
+        return about(photo,
+                     "has another size than its camera in the session; `psfm check` looks "
+                     "for damage");
+    }
+    const std::string extension = picture_extension(photo.name, options.format);
+    const bool same = is_identity(view);
+    const cv::Mat picture = same ? source : warp_photo(source, view);
+    source.release();
+    PictureFiles files;
+    if (same && orientation == 1 && is_written_as(decoded->format, extension)) {
+        auto bytes = read_file_bytes(photo, std::uint64_t{options.read.max_file_mib} << 20U);
+        if (!bytes) return bytes.error();
+        files.bytes.push_back(*std::move(bytes));
+    } else {
+        files.bytes.push_back(encode(picture, extension, options.jpeg_quality));
+    }
+    for (const std::uint32_t factor : options.reductions) {
+        const int divisor = static_cast<int>(factor);
+        cv::Mat small;
+        cv::resize(picture, small,
+                   {std::max(1, picture.cols / divisor), std::max(1, picture.rows / divisor)}, 0, 0,
+                   cv::INTER_AREA);
+        files.bytes.push_back(encode(small, extension, options.jpeg_quality));
+    }
+    return files;
+}
+
+}  // namespace
+
+std::string picture_extension(std::string_view photo_name, PictureFormat format) {
+    if (format == PictureFormat::kJpeg) return ".jpg";
+    if (format == PictureFormat::kPng) return ".png";
+    std::string extension = std::filesystem::path(photo_name).extension().string();
+    for (char& character : extension) {
+        if (character >= 'A' && character <= 'Z') character = static_cast<char>(character + 32);
+    }
+    return extension == ".png" ? ".png" : ".jpg";
+}
+
+Result<PictureFiles> undistort_photo(const PhotoFile& photo, std::uint64_t content_hash,
+                                     std::uint8_t orientation, const UndistortedView& view,
+                                     const PictureOptions& options) {
+    try {
+        return make_files(photo, content_hash, orientation, view, options);
+    } catch (const std::bad_alloc&) {
+        return about(photo, "not enough memory to undistort it; use fewer --threads",
+                     ErrorCode::kInternal);
+    } catch (const std::exception& exception) {
+        return about(photo, "cannot be undistorted (" + printable(exception.what()) + ")",
+                     ErrorCode::kInternal);
+    }
+}
+
+}  // namespace psfm

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/exchange/dataset_names.h"
+
+#include <gtest/gtest.h>
+
+namespace psfm {
+namespace {
+
+TEST(DatasetNames, AreFlatAndUnique) {
+    const std::vector<std::string> photos{"a/x.jpg",     "a_x.jpg",      "a/x.png",
+                                          "A/X.JPG",     "IMG.0001.jpg", "IMG.0002.jpg",
+                                          "b c/d%e.jpg", ".jpg",         "größe.jpg"};
+    const std::vector<std::string> expected{"a_x",      "a_x_2",   "a_x_3", "A_X_4", "IMG_0001",
+                                            "IMG_0002", "b_c_d_e", "_jpg",  "größe"};
+    EXPECT_EQ(dataset_names(photos), expected);
+}
+
+TEST(DatasetNames, StayWhenPhotographsAreAdded) {
+    std::vector<std::string> photos{"a/x.jpg", "b.jpg"};
+    const auto before = dataset_names(photos);
+    photos.insert(photos.end(), {"a_x.jpg", "a_x_2.jpg", "B.jpg"});
+    const auto after = dataset_names(photos);
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), after.begin()));
+    EXPECT_EQ(after[2], "a_x_2");
+    EXPECT_EQ(after[3], "a_x_2_2");
+}
+
+}  // namespace
+}  // namespace psfm

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/image.h"
+#include "graph/result.h"
+#include "stages/undistortion/undistort_photo.h"
+#include "storage/exchange/dataset_model.h"
+#include "storage/exchange/dataset_record.h"
+#include "storage/exchange/staged_files.h"
+
+namespace psfm {
+
+/// How pictures of a data set are made.
+struct DatasetPictureOptions {
+    UndistortedViewOptions view;
+    PictureOptions picture;
+    /// Longest distance between where a picture took its pixels from and where it would today, for
+    /// which it is left as it is [px]. Raised: fewer pictures are made again while a session runs;
+    /// lowered: features and pictures agree more exactly. Ours: far below what can be seen.
+    double unchanged_px = 0.01;
+};
+
+/// A picture that has to be made.
+struct PictureTask {
+    std::size_t image = 0;  ///< number in the model's list
+    const Image* photo = nullptr;
+};
+
+/// The pictures of one connected part: which camera each is made with, and which are there.
+struct PicturePlan {
+    DatasetRecord record;                             ///< as it will be once all are made
+    std::vector<std::optional<DatasetImage>> images;  ///< of the model, all of them
+    std::vector<PictureTask> tasks;
+};
+
+/// @param images  of the session, ascending by id
+/// @param names  of pictures, without extension, one for each of these
+/// @param place  the part's folder, where an earlier export may be
+/// @errors of make_undistorted_view()
+Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,
+                                  std::span<const std::string> names,
+                                  const std::filesystem::path& place,
+                                  const DatasetPictureOptions& options);
+
+/// "images", "images_2", …: the folders of pictures and of their reduced copies, in their order.
+std::vector<std::string> picture_folders(std::span<const std::uint32_t> reductions);
+
+/// Makes what the plan asks for, on all threads of the budget, within about 600 MiB. Photographs
+/// that cannot be used are taken out of the plan.
+/// @param folder  of the photographs
+/// @return what was left out, one line for each
+/// @errors kNoSpace, kIo: a file cannot be written
+Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
+                                               const std::filesystem::path& folder,
+                                               const std::filesystem::path& place,
+                                               const PictureOptions& options, StagedFiles& files);
+
+}  // namespace psfm
