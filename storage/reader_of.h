@@ -49,6 +49,7 @@ class ReaderOf : public Interface {
     Result<Scene> scene_after(std::uint32_t image_count) const override {
         return reads_.scene_after(image_count);
     }
+    Result<std::vector<PastVersion>> versions() const override { return reads_.versions(); }
     Result<IntactImages> intact_images() const override { return reads_.intact_images(); }
     Result<CheckReport> check(const std::function<void(std::uint64_t)>& progress) const override {
         return check_session(*database_, progress);

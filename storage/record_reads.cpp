@@ -74,6 +74,25 @@ Result<std::optional<SceneRecord>> read_latest_scene(const ReadView& view) {
     return read_scene_after(view, std::numeric_limits<std::uint32_t>::max());
 }
 
+Result<std::vector<PastVersion>> read_versions(const ReadView& view) {
+    std::vector<PastVersion> versions;
+    const auto visited = view.for_each(
+        Family::kScenes, {}, [&](std::string_view key, std::string_view value) -> Result<void> {
+            const auto scene_key = decode_scene_key(key);
+            if (!scene_key) return strange_key(view, Family::kScenes, key);
+            auto record = open_and_decode(
+                view, Family::kScenes, RecordKind::kScene, key, value,
+                [&](std::string_view payload) { return decode_scene(*scene_key, payload); });
+            if (!record) return record.error();
+            StoredSceneVersion& scene = record->scene;
+            versions.push_back({scene.version, scene.image_count, scene.effective_clusters,
+                                std::move(scene.summary_json)});
+            return {};
+        });
+    if (!visited) return visited.error();
+    return versions;
+}
+
 Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
                                                     std::uint32_t image_count) {
     const SceneKey upper{image_count, std::numeric_limits<std::uint64_t>::max()};

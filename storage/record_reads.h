@@ -29,4 +29,7 @@ Result<std::optional<SceneRecord>> read_latest_scene(const ReadView& view);
 Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
                                                     std::uint32_t image_count);
 
+/// All versions that are kept, the oldest first.
+Result<std::vector<PastVersion>> read_versions(const ReadView& view);
+
 }  // namespace psfm

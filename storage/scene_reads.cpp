@@ -187,6 +187,10 @@ Result<std::string> SessionReads::scene_summary_json() const {
     });
 }
 
+Result<std::vector<PastVersion>> SessionReads::versions() const {
+    return read_consistently(*database_, [](const ReadView& view) { return read_versions(view); });
+}
+
 Result<Scene> SessionReads::scene_after(std::uint32_t image_count) const {
     return read_consistently(*database_, [&](const ReadView& view) -> Result<Scene> {
         const auto record = read_scene_after(view, image_count);

@@ -36,6 +36,7 @@ class SessionReads {
     Result<Scene> scene_poses() const;
     Result<std::string> scene_summary_json() const;
     Result<Scene> scene_after(std::uint32_t image_count) const;
+    Result<std::vector<PastVersion>> versions() const;
     void give_up_cache(std::size_t bytes) const { cache_.give_up(bytes); }
 
   private:

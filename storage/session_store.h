@@ -112,6 +112,14 @@ struct StoredSceneVersion {
     std::string summary_json;  ///< counts shown by `status` (resets, waiting by reason, …)
 };
 
+/// What a kept version says of itself, without its clusters.
+struct PastVersion {
+    std::uint64_t version = 0;
+    std::uint32_t image_count = 0;
+    std::uint32_t effective_clusters = 0;
+    std::string summary_json;
+};
+
 /// One damaged record found by `check`.
 struct DamagedRecord {
     std::string kind;
@@ -165,6 +173,9 @@ class SessionReader {
     /// for the latest version; else the models hold poses and cameras only. kNotFound: no such
     /// version is kept.
     virtual Result<Scene> scene_after(std::uint32_t image_count) const = 0;
+    /// All versions that are kept, the oldest first. Cost: of all their records, clusters' members
+    /// among them, but of no model.
+    virtual Result<std::vector<PastVersion>> versions() const = 0;
     /// The images, without those whose records are damaged or missing.
     virtual Result<IntactImages> intact_images() const = 0;
     virtual Result<CheckReport> check(
