@@ -8,7 +8,14 @@
 #include <cstdio>
 #include <iostream>
 
+#include "tools/report/run_state.h"
+
 namespace psfm {
+namespace {
+
+constexpr int kSecondsPerLine = 10;  // of what is no terminal: a log grows by some KB an hour
+
+}  // namespace
 
 std::string format_duration(double seconds) {
     const auto total = static_cast<long>(std::lround(std::max(seconds, 0.0)));
@@ -22,14 +29,49 @@ std::string format_duration(double seconds) {
     return text;
 }
 
-Progress::Progress(std::size_t expected, std::unique_ptr<EventLog> log)
-    : expected_(expected), log_(std::move(log)), terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::filesystem::path session, std::size_t expected,
+                   std::unique_ptr<EventLog> log)
+    : session_(std::move(session)),
+      expected_(expected),
+      log_(std::move(log)),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      time_left_(expected) {
+    clock_ = std::thread([this] { tick(); });
+}
 
 Progress::~Progress() {
+    {
+        const std::lock_guard lock(mutex_);
+        over_ = true;
+    }
+    wake_.notify_all();
+    clock_.join();
+    remove_run_state(session_);
     if (line_open_) std::cerr << '\n';
 }
 
+double Progress::now() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+void Progress::tick() {
+    std::unique_lock lock(mutex_);
+    std::string last_line = line();
+    for (int second = 0; !over_; ++second) {
+        write_run_state(session_, {getpid(), now(), done_, expected_, time_left_.rate(now()),
+                                   time_left_.is_settling(), time_left_.seconds(now())});
+        if (!terminal_ && second > 0 && second % kSecondsPerLine == 0) {
+            if (std::string next = line(); next != last_line) {
+                say(next);
+                last_line = std::move(next);
+            }
+        }
+        wake_.wait_for(lock, std::chrono::seconds(1), [&] { return over_; });
+    }
+}
+
 void Progress::on_publish(const PublishMessage& publish) {
+    const std::lock_guard lock(mutex_);
     write_log(publish);
     done_ += publish.images.size();
     if (!publish.images.empty()) settling_ = 0;  // a watched folder goes on after it has settled
@@ -55,12 +97,18 @@ void Progress::on_publish(const PublishMessage& publish) {
                 if (terminal_) say(event.text);
                 settling_ = event.clusters.size();
                 settled_before_ = publish.counts.solves_settle;
+                time_left_.on_settling(now(), settling_);
                 break;
             case SessionEvent::Kind::kSolve:
                 break;
         }
     }
-    if (terminal_) show(publish.counts);
+    time_left_.on_photos(now(), done_);
+    if (settling_ > 0) time_left_.on_settled(publish.counts.solves_settle - settled_before_);
+    counts_ = publish.counts;
+    if (!terminal_) return;
+    std::cerr << "\r\x1b[K" << line() << std::flush;
+    line_open_ = true;
 }
 
 void Progress::write_log(const PublishMessage& publish) {
@@ -76,6 +124,7 @@ void Progress::write_log(const PublishMessage& publish) {
 }
 
 void Progress::on_end(const SessionRun& run) {
+    const std::lock_guard lock(mutex_);
     if (log_) log_->write(run.usage);
 }
 
@@ -84,25 +133,22 @@ void Progress::say(const std::string& line) {
     line_open_ = false;
 }
 
-void Progress::show(const SessionCounts& counts) {
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    const double rate = seconds > 0.0 ? static_cast<double>(done_) / seconds : 0.0;
+std::string Progress::line() const {
     std::string line = std::to_string(done_);
     if (expected_ > 0) line.append("/").append(std::to_string(expected_));
     char text[160];
     std::snprintf(text, sizeof(text),
                   " images, %u placed, %u waiting, %u clusters in %u parts, %.2f images/s",
-                  counts.placed, counts.waiting, counts.clusters, counts.effective_clusters, rate);
+                  counts_.placed, counts_.waiting, counts_.clusters, counts_.effective_clusters,
+                  time_left_.rate(now()));
     line += text;
     if (settling_ > 0) {
-        line += ", " + std::to_string(counts.solves_settle - settled_before_) + " of " +
+        line += ", " + std::to_string(counts_.solves_settle - settled_before_) + " of " +
                 std::to_string(settling_) + " models settled";
     }
-    if (expected_ > done_ && rate > 0.0)
-        line += ", " + format_duration(static_cast<double>(expected_ - done_) / rate) + " left";
-    std::cerr << "\r\x1b[K" << line << std::flush;
-    line_open_ = true;
+    if (const auto left = time_left_.seconds(now()); left && (done_ < expected_ || settling_ > 0))
+        line += ", " + format_duration(*left) + " left";
+    return line;
 }
 
 }  // namespace psfm

@@ -130,7 +130,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     Result<SessionRun> run = SessionRun{};
     bool log_failed = false;
     {
-        Progress progress(expected, std::move(log));
+        Progress progress(request.session, expected, std::move(log));
         run = run_session(store, request.config, request.execution, *source, progress,
                           stop_requested, request.salvage);
         if (run.ok()) progress.on_end(*run);

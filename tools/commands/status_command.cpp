@@ -3,88 +3,55 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <algorithm>
+#include <chrono>
+#include <iomanip>
 #include <iostream>
-#include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
-#include "scheduler/encode_state.h"
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/geo_report.h"
+#include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/wording.h"
+#include "tools/report/status_json.h"
 
 namespace psfm {
 namespace {
 
+struct StatusArguments {
+    std::string session;
+    bool json = false;
+    bool follow = false;
+};
+
 struct Status {
-    SceneSummary summary;
-    std::vector<Image> images;
-    std::vector<RejectedPhoto> rejected;
+    SessionFacts facts;
     std::optional<WorldReference> reference;
 };
 
-Result<Status> read_status(const std::string& session) {
-    auto reader = open_session_reader(session, StoreOptions{});
-    if (!reader.ok()) return reader.error();
-    auto images = (*reader)->images();
-    if (!images.ok()) return images.error();
-    auto rejected = (*reader)->rejected();
-    if (!rejected.ok()) return rejected.error();
-    const auto text = (*reader)->scene_summary_json();
-    if (!text.ok()) return text.error();
-    auto summary = decode_summary(*text);
-    if (!summary.ok()) return summary.error();
-    Status status{*std::move(summary), *std::move(images), *std::move(rejected), std::nullopt};
-    if (datum_of(evidence_of(status.images))) {  // without positions no model is read
-        const auto scene = (*reader)->scene();
-        if (!scene.ok()) return scene.error();
-        status.reference = world_reference_of(*scene, status.images);
-    }
-    // Images that arrived after the version are waiting, too.
-    SessionCounts& counts = status.summary.counts;
-    counts.images = static_cast<std::uint32_t>(status.images.size());
-    counts.rejected = static_cast<std::uint32_t>(status.rejected.size());
-    counts.waiting = counts.images - std::min(counts.images, counts.placed);
+Result<Status> read_status(const SessionReader& session, FactsMemory& memory) {
+    auto facts = read_session_facts(session, memory);
+    if (!facts.ok()) return facts.error();
+    Status status{*std::move(facts), std::nullopt};
+    if (datum_of(evidence_of(status.facts.images)))
+        status.reference = world_reference_of(status.facts.scene, status.facts.images);
     return status;
 }
 
-void print_json(const Status& status) {
-    const SessionCounts& counts = status.summary.counts;
-    nlohmann::ordered_json events = nlohmann::ordered_json::array();
-    for (const PastEvent& event : status.summary.events)
-        events.push_back({{"image", event.image}, {"event", event.kind}, {"text", event.text}});
-    nlohmann::ordered_json datum;
+std::string json_line(const Status& status, const std::string& session) {
+    std::optional<DatumFact> datum;
     if (status.reference) {
-        datum = {{"latitude_deg", status.reference->datum.latitude_deg},
-                 {"longitude_deg", status.reference->datum.longitude_deg},
-                 {"altitude_m", status.reference->datum.altitude_m.value_or(0.0)}};
+        const GpsPosition& position = status.reference->datum;
+        datum = {position.latitude_deg, position.longitude_deg, position.altitude_m.value_or(0.0)};
     }
-    std::cout << nlohmann::ordered_json{{"images", counts.images},
-                                        {"placed", counts.placed},
-                                        {"waiting", counts.waiting},
-                                        {"rejected", counts.rejected},
-                                        {"clusters", counts.clusters},
-                                        {"effective_clusters", counts.effective_clusters},
-                                        {"version", counts.version},
-                                        {"resets", counts.resets},
-                                        {"solves_new", counts.solves_new},
-                                        {"solves_extend", counts.solves_extend},
-                                        {"solves_transfer", counts.solves_transfer},
-                                        {"solves_settle", counts.solves_settle},
-                                        {"solves_skipped", counts.solves_skipped},
-                                        {"solves_coalesced", counts.solves_coalesced},
-                                        {"datum", std::move(datum)},
-                                        {"events", std::move(events)}}
-                     .dump()
-              << '\n';
+    return status_json(status.facts, datum, read_run_state(session));
 }
 
-void print_text(const Status& status) {
-    const SessionCounts& counts = status.summary.counts;
+void print_text(const Status& status, const std::string& session) {
+    const SessionCounts& counts = status.facts.summary.counts;
     std::cout << "version " << counts.version << '\n'
               << counted(counts.images, "image") << ": " << counts.placed << " placed, "
               << counts.waiting << " waiting; " << counted(counts.rejected, "photograph")
@@ -97,16 +64,47 @@ void print_text(const Status& status) {
               << " settled, " << counts.solves_coalesced << " coalesced, " << counts.solves_skipped
               << " skipped\n";
     if (status.reference) std::cout << describe(*status.reference) << '\n';
-    for (const auto& [image, reason] : status.summary.waiting) {
-        if (index_of(image) < status.images.size()) {
-            std::cout << "waiting   " << status.images[index_of(image)].name << ": "
-                      << describe(reason) << '\n';
-        }
+    for (const ImageFact& fact : status.facts.facts) {
+        if (fact.state == ImageState::kWaiting)
+            std::cout << "waiting   " << fact.name << ": " << fact.words << '\n';
     }
-    for (const PastEvent& event : status.summary.events)
+    for (const PastEvent& event : status.facts.summary.events)
         std::cout << "image " << event.image << "  " << event.kind << ": " << event.text << '\n';
-    for (const RejectedPhoto& photo : status.rejected)
+    for (const RejectedPhoto& photo : status.facts.rejected)
         std::cout << "rejected  " << photo.reason << '\n';
+    if (const auto running = read_run_state(session)) {
+        std::cout << "running   process " << running->pid << ", " << std::fixed
+                  << std::setprecision(2) << running->images_per_second << " images/s";
+        if (running->settling) std::cout << ", models settle";
+        if (running->seconds_left)
+            std::cout << ", " << format_duration(*running->seconds_left) << " left";
+        std::cout << '\n';
+    }
+}
+
+/// Prints the session once, or again whenever something has changed until nobody works on it.
+int show_status(const StatusArguments& arguments) {
+    auto session = open_session_reader(arguments.session, StoreOptions{});
+    if (!session.ok()) return report_error(session.error());
+    FactsMemory memory;
+    std::string last;
+    while (true) {
+        const bool is_running = read_run_state(arguments.session).has_value();
+        const auto status = read_status(**session, memory);
+        if (!status.ok()) return report_error(status.error());
+        if (!arguments.json && !arguments.follow) {
+            print_text(*status, arguments.session);
+            return 0;
+        }
+        if (std::string line = json_line(*status, arguments.session); line != last) {
+            std::cout << line << '\n' << std::flush;
+            last = std::move(line);
+        }
+        if (!arguments.follow || !is_running || !std::cout) return 0;
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        if (const auto followed = (*session)->refresh(); !followed.ok())
+            return report_error(followed.error());
+    }
 }
 
 }  // namespace
@@ -114,22 +112,20 @@ void print_text(const Status& status) {
 void add_status_command(CLI::App& app, int& exit_code) {
     CLI::App* command =
         app.add_subcommand("status", "What a session holds; works beside a running one");
-    auto session = std::make_shared<std::string>();
-    auto json = std::make_shared<bool>(false);
-    command->add_option("--session", *session, "Session folder")->required();
-    command->add_flag("--json", *json, "One JSON object, for programs");
+    auto arguments = std::make_shared<StatusArguments>();
+    command->add_option("--session", arguments->session, "Session folder")->required();
+    command->add_flag("--json", arguments->json,
+                      "One JSON object with every image, for programs (docs/status.schema.json)");
+    command->add_flag("--follow", arguments->follow,
+                      "The same as a line whenever something has changed, at most once a second, "
+                      "until nobody works on the session any more");
     command->footer(
-        "Every image is placed (in a model), waiting (with the reason) or rejected.\nExample: psfm "
-        "status --session castle");
-    command->callback([session, json, &exit_code] {
-        const auto status = read_status(*session);
-        if (!status.ok()) {
-            exit_code = report_error(status.error());
-            return;
-        }
-        *json ? print_json(*status) : print_text(*status);
-        exit_code = 0;
-    });
+        "Every image is placed (in a model), waiting (with the reason) or rejected.\nExamples:\n"
+        "  psfm status --session castle\n"
+        "  psfm status --session castle --json | jq '.image_list[] | select(.state != "
+        "\"placed\")'\n"
+        "  psfm status --session castle --follow");
+    command->callback([arguments, &exit_code] { exit_code = show_status(*arguments); });
 }
 
 }  // namespace psfm

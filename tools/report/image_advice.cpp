@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/report/image_advice.h"
+
+namespace psfm {
+
+const char* reason_code(WaitReason reason) {
+    switch (reason) {
+        case WaitReason::kNone:
+            return "placed";
+        case WaitReason::kTooFewMatches:
+            return "too_few_matches";
+        case WaitReason::kClusterTooSmall:
+            return "cluster_too_small";
+        case WaitReason::kNoSeed:
+            return "no_seed";
+        case WaitReason::kRegistrationFailed:
+            return "registration_failed";
+        case WaitReason::kSolving:
+            return "solving";
+    }
+    return "unknown";
+}
+
+const char* advice_for(WaitReason reason) {
+    switch (reason) {
+        case WaitReason::kNone:
+            return "";
+        case WaitReason::kTooFewMatches:
+            return "add photographs of the same place that share two thirds of their view with "
+                   "this one";
+        case WaitReason::kClusterTooSmall:
+            return "add photographs of what it shows: five that belong together make a model";
+        case WaitReason::kNoSeed:
+            return "add photographs taken a step to the side: the camera has hardly moved between "
+                   "these";
+        case WaitReason::kRegistrationFailed:
+            return "add one or two photographs from between this one and the model";
+        case WaitReason::kSolving:
+            return "wait for the next version, which takes account of it";
+    }
+    return "";
+}
+
+RejectionWords split_rejection(const std::string& stored_reason) {
+    const std::size_t cut = stored_reason.rfind("; ");
+    if (cut == std::string::npos) return {stored_reason, {}};
+    return {stored_reason.substr(0, cut), stored_reason.substr(cut + 2)};
+}
+
+}  // namespace psfm

@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/report/image_facts.h"
+
+#include <algorithm>
+
+#include "tools/report/image_advice.h"
+#include "tools/report/residuals.h"
+
+namespace psfm {
+namespace {
+
+ImageFact waiting_fact(const Image& image, WaitReason reason) {
+    ImageFact fact;
+    fact.name = image.name;
+    fact.id = image.id;
+    fact.reason = reason_code(reason);
+    fact.words = describe(reason);
+    fact.advice = advice_for(reason);
+    return fact;
+}
+
+Result<void> add_placed(const SessionReader& session, InlierCache& cache, SessionFacts& facts) {
+    for (const auto& cluster : facts.scene.clusters) {
+        for (const ImageId member : cluster->members) {
+            if (index_of(member) < facts.facts.size())
+                facts.facts[index_of(member)].cluster = cluster->id;
+        }
+        if (!cluster->model) continue;
+        const auto inliers = cache.of(*cluster, session);
+        if (!inliers) return inliers.error();
+        for (const RegisteredImage& image : cluster->model->images) {
+            if (index_of(image.image) >= facts.facts.size()) continue;
+            ImageFact& fact = facts.facts[index_of(image.image)];
+            fact.state = ImageState::kPlaced;
+            fact.reason = reason_code(WaitReason::kNone);
+            fact.words = describe(WaitReason::kNone);
+            fact.advice.clear();
+            fact.cluster = cluster->id;
+            fact.part = cluster->effective_cluster;
+            const auto found = (*inliers)->find(image.image);
+            if (found == (*inliers)->end()) continue;
+            fact.inliers = found->second.inliers;
+            fact.error_px = found->second.error_px;
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+const char* state_name(ImageState state) {
+    switch (state) {
+        case ImageState::kPlaced:
+            return "placed";
+        case ImageState::kWaiting:
+            return "waiting";
+        case ImageState::kRejected:
+            return "rejected";
+    }
+    return "unknown";
+}
+
+Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(const SceneCluster& cluster,
+                                                                     const SessionReader& session) {
+    auto& [model, entries] = known_[cluster.id];
+    // Points of a cluster that rests are in the store only; what is known of it holds.
+    const bool rests = cluster.model->points.empty() && !entries.empty();
+    if (model != cluster.model && !rests) {
+        const auto residuals = residuals_of(
+            *cluster.model, [&](ImageId image) { return session.keypoints(image); });
+        if (!residuals) return residuals.error();
+        entries.clear();
+        for (std::size_t i = 0; i < residuals->size(); ++i) {
+            entries[cluster.model->images[i].image] = {
+                static_cast<std::uint32_t>((*residuals)[i].size()),
+                mean_length_px((*residuals)[i])};
+        }
+        model = cluster.model;
+    }
+    return static_cast<const std::map<ImageId, Entry>*>(&entries);
+}
+
+void SinceBook::add(const PastVersion& version) {
+    const auto summary = decode_summary(version.summary_json);
+    if (!summary) return;  // `psfm check` tells of it
+    const std::map<ImageId, WaitReason> now(summary->waiting.begin(), summary->waiting.end());
+    std::size_t known = since_.size();
+    for (const auto& [image, reason] : now) known = std::max(known, std::size_t{index_of(image)} + 1);
+    known = std::max<std::size_t>(known, version.image_count);
+    since_.resize(known);
+    const Since here{version.version, version.image_count};
+    for (const auto& [image, reason] : now) {
+        const auto found = waiting_.find(image);
+        if (found == waiting_.end() || found->second != reason) since_[index_of(image)] = here;
+    }
+    for (const auto& [image, reason] : waiting_) {
+        if (!now.contains(image)) since_[index_of(image)] = here;
+    }
+    for (std::size_t image = 0; image < version.image_count; ++image) {
+        if (since_[image].version == 0) since_[image] = here;  // placed at once
+    }
+    waiting_ = now;
+}
+
+std::vector<Since> SinceBook::of(std::size_t images) const {
+    std::vector<Since> since = since_;
+    since.resize(images);
+    return since;
+}
+
+namespace {
+
+/// The versions that are kept, those that memory has not seen yet added to it.
+Result<void> follow_versions(const SessionReader& session, const Scene& scene,
+                             FactsMemory& memory) {
+    if (memory.versions.empty()) {
+        auto versions = session.versions();
+        if (!versions) return versions.error();
+        while (!versions->empty() && versions->back().version > scene.version) versions->pop_back();
+        for (const PastVersion& version : *versions) memory.since.add(version);
+        memory.versions = *std::move(versions);
+        return {};
+    }
+    if (memory.versions.back().version >= scene.version) return {};
+    auto summary = session.scene_summary_json();
+    if (!summary) return summary.error();
+    memory.versions.push_back(
+        {scene.version, scene.image_count, scene.effective_clusters, *std::move(summary)});
+    memory.since.add(memory.versions.back());
+    return {};
+}
+
+}  // namespace
+
+Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemory& memory,
+                                        const ScenePtr& scene) {
+    SessionFacts facts;
+    // Models before images: a version that comes meanwhile knows of no image that is not there.
+    if (scene) {
+        facts.scene = *scene;
+    } else {
+        auto latest = session.scene();
+        if (!latest) return latest.error();
+        facts.scene = *std::move(latest);
+    }
+    if (const auto followed = follow_versions(session, facts.scene, memory); !followed)
+        return followed.error();
+    facts.versions = memory.versions;
+    auto images = session.images();
+    if (!images) return images.error();
+    facts.images = *std::move(images);
+    auto rejected = session.rejected();
+    if (!rejected) return rejected.error();
+    facts.rejected = *std::move(rejected);
+    if (auto settings = session.settings(); settings.ok()) facts.settings = *std::move(settings);
+
+    if (!facts.versions.empty()) {
+        auto summary = decode_summary(facts.versions.back().summary_json);
+        if (!summary) return summary.error();
+        facts.summary = *std::move(summary);
+    }
+    std::map<ImageId, WaitReason> reasons(facts.summary.waiting.begin(),
+                                          facts.summary.waiting.end());
+    for (const Image& image : facts.images) {
+        const auto reason = reasons.find(image.id);
+        facts.facts.push_back(
+            waiting_fact(image, reason == reasons.end() ? WaitReason::kSolving : reason->second));
+    }
+    if (const auto placed = add_placed(session, memory.inliers, facts); !placed) return placed.error();
+    const std::vector<Since> since = memory.since.of(facts.images.size());
+    for (std::size_t i = 0; i < since.size(); ++i) facts.facts[i].since = since[i];
+    for (const RejectedPhoto& photo : facts.rejected) {
+        const RejectionWords words = split_rejection(photo.reason);
+        ImageFact fact;
+        fact.name = photo.name;
+        fact.state = ImageState::kRejected;
+        fact.reason = "rejected";
+        fact.words = words.reason;
+        fact.advice = words.advice;
+        facts.facts.push_back(std::move(fact));
+    }
+    // Images that arrived after the version are waiting, too.
+    SessionCounts& counts = facts.summary.counts;
+    counts.images = static_cast<std::uint32_t>(facts.images.size());
+    counts.rejected = static_cast<std::uint32_t>(facts.rejected.size());
+    counts.waiting = counts.images - std::min(counts.images, counts.placed);
+    return facts;
+}
+
+}  // namespace psfm

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "graph/image.h"
+#include "graph/scene.h"
+#include "scheduler/encode_state.h"
+#include "storage/session_store.h"
+
+namespace psfm {
+
+enum class ImageState : std::uint8_t { kPlaced, kWaiting, kRejected };
+const char* state_name(ImageState state);  ///< "placed", "waiting", "rejected"
+
+/// When an image came to be what it is: the version that first said so, and the session's images
+/// by then. 0 when no kept version says so yet.
+struct Since {
+    std::uint64_t version = 0;
+    std::uint32_t images = 0;
+};
+
+/// All there is to say of one photograph.
+struct ImageFact {
+    std::string name;
+    std::optional<ImageId> id;  ///< none when it is rejected
+    ImageState state = ImageState::kWaiting;
+    std::string reason;  ///< for programs (reason_code), "rejected" for what was turned down
+    std::string words;   ///< the same for people
+    std::string advice;  ///< what to do about it; empty when nothing
+    Since since;
+    std::optional<ClusterId> cluster;
+    std::optional<std::uint32_t> part;    ///< effective cluster; only of placed images
+    std::uint32_t inliers = 0;            ///< its observations in the model
+    double error_px = 0.0;                ///< their mean reprojection error
+};
+
+/// A session as it is told of: one published version, and what has arrived since.
+struct SessionFacts {
+    SessionSettings settings;
+    SceneSummary summary;
+    std::vector<Image> images;
+    std::vector<RejectedPhoto> rejected;
+    std::vector<PastVersion> versions;
+    Scene scene;
+    std::vector<ImageFact> facts;  ///< accepted ones by id, then the rejected ones by name
+};
+
+/// Inliers and errors of models that have been looked at, so that who asks again and again pays for
+/// what has changed. Grows with the images of the session.
+class InlierCache {
+  public:
+    struct Entry {
+        std::uint32_t inliers = 0;
+        double error_px = 0.0;
+    };
+    /// By image of the cluster's model. @errors those of residuals_of
+    Result<const std::map<ImageId, Entry>*> of(const SceneCluster& cluster,
+                                               const SessionReader& session);
+
+  private:
+    std::map<ClusterId, std::pair<std::shared_ptr<const Reconstruction>, std::map<ImageId, Entry>>>
+        known_;
+};
+
+/// When each image came to be as it is, version after version.
+class SinceBook {
+  public:
+    /// Versions come the oldest first; one that cannot be read is passed over.
+    void add(const PastVersion& version);
+    /// By image id.
+    std::vector<Since> of(std::size_t images) const;
+
+  private:
+    std::map<ImageId, WaitReason> waiting_;
+    std::vector<Since> since_;
+};
+
+/// What who asks again and again keeps between two times.
+struct FactsMemory {
+    InlierCache inliers;
+    SinceBook since;
+    std::vector<PastVersion> versions;
+};
+
+/// @param scene  the version to tell of, from the process that works on the session: the points of
+///               clusters that rest may be missing; null: the latest one of the store
+/// @errors those of the store; kDamaged
+Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemory& memory,
+                                        const ScenePtr& scene = nullptr);
+
+}  // namespace psfm

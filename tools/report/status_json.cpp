@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/report/status_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace psfm {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Names may be no UTF-8 in sessions of earlier programs.
+std::string dump(const ordered_json& object) {
+    return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+double thousandths(double value) {
+    return std::round(value * 1000.0) / 1000.0;
+}
+
+ordered_json json_of(const ImageFact& fact) {
+    ordered_json object{{"name", fact.name},
+                        {"state", state_name(fact.state)},
+                        {"reason", fact.reason},
+                        {"words", fact.words},
+                        {"advice", fact.advice}};
+    if (fact.id) {
+        object["id"] = index_of(*fact.id);
+        object["since"] = {{"version", fact.since.version}, {"images", fact.since.images}};
+    }
+    if (fact.cluster) object["cluster"] = index_of(*fact.cluster);
+    if (fact.part) {
+        object["part"] = *fact.part;
+        object["inliers"] = fact.inliers;
+        object["error_px"] = thousandths(fact.error_px);
+    }
+    return object;
+}
+
+ordered_json json_of(const RunState& state) {
+    ordered_json object{{"pid", state.pid},
+                        {"seconds", state.seconds},
+                        {"done", state.done},
+                        {"expected", state.expected},
+                        {"images_per_second", state.images_per_second},
+                        {"settling", state.settling}};
+    object["seconds_left"] =
+        state.seconds_left ? ordered_json(*state.seconds_left) : ordered_json();
+    return object;
+}
+
+}  // namespace
+
+std::string image_json(const ImageFact& fact) {
+    return dump(json_of(fact));
+}
+
+std::string status_json(const SessionFacts& facts, const std::optional<DatumFact>& datum,
+                        const std::optional<RunState>& running) {
+    const SessionCounts& counts = facts.summary.counts;
+    ordered_json events = ordered_json::array();
+    for (const PastEvent& event : facts.summary.events)
+        events.push_back({{"image", event.image}, {"event", event.kind}, {"text", event.text}});
+    ordered_json where;
+    if (datum) {
+        where = {{"latitude_deg", datum->latitude_deg},
+                 {"longitude_deg", datum->longitude_deg},
+                 {"altitude_m", datum->altitude_m}};
+    }
+    ordered_json images = ordered_json::array();
+    for (const ImageFact& fact : facts.facts) images.push_back(json_of(fact));
+    return dump(ordered_json{{"images", counts.images},
+                             {"placed", counts.placed},
+                             {"waiting", counts.waiting},
+                             {"rejected", counts.rejected},
+                             {"clusters", counts.clusters},
+                             {"effective_clusters", counts.effective_clusters},
+                             {"version", counts.version},
+                             {"resets", counts.resets},
+                             {"solves_new", counts.solves_new},
+                             {"solves_extend", counts.solves_extend},
+                             {"solves_transfer", counts.solves_transfer},
+                             {"solves_settle", counts.solves_settle},
+                             {"solves_skipped", counts.solves_skipped},
+                             {"solves_coalesced", counts.solves_coalesced},
+                             {"datum", std::move(where)},
+                             {"events", std::move(events)},
+                             {"running", running ? json_of(*running) : ordered_json()},
+                             {"image_list", std::move(images)}});
+}
+
+}  // namespace psfm
