@@ -49,6 +49,8 @@ int run(int argc, char** argv) {
     psfm::add_resume_command(app, exit_code);
     psfm::add_import_command(app, exit_code);
     psfm::add_status_command(app, exit_code);
+    psfm::add_report_command(app, exit_code);
+    psfm::add_view_command(app, exit_code);
     psfm::add_export_command(app, exit_code);
     psfm::add_evaluate_command(app, exit_code);
     psfm::add_check_command(app, exit_code);

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The viewer's page, put together.
+import { Details } from "./details";
+import { button, el, select, toggle } from "./dom";
+import { ImageList, titleOf } from "./list";
+import { ColourMode } from "./points";
+import { Camera, FileSource, ImageFact, Session, Source } from "./source";
+import { Stage } from "./stage";
+import { Timeline } from "./timeline";
+import { Model, worldPoses } from "./wire";
+
+export class Viewer {
+  readonly model = new Model();
+  session!: Session;
+  stage!: Stage;
+  list!: ImageList;
+  details!: Details;
+  timeline!: Timeline;
+  selected: number[] = [];
+  private readonly events = el("ol", { class: "events" });
+  private readonly hints = el("ul", { class: "hints" });
+  private readonly summary = el("p", { class: "summary", role: "status" });
+  private readonly tip = el("div", { class: "tip", hidden: "" });
+  private tabs: [HTMLButtonElement, HTMLElement][] = [];
+
+  constructor(readonly source: Source, private readonly root: HTMLElement) {}
+
+  async start(): Promise<void> {
+    const [session, scene] = await Promise.all([this.source.session(), this.source.scene()]);
+    this.session = session;
+    if (scene.length > 0) this.model.apply(scene);
+    const canvas = el("canvas", { class: "stage", tabindex: "0", role: "application", "aria-label": "The model. Drag to turn, right drag to shift, wheel to zoom, F to see all, arrow keys to turn." });
+    this.details = new Details(this.source, () => this.session.image_list, (image) => this.cameraOf(image));
+    this.list = new ImageList(session.image_list, (fact) => this.choose(fact));
+    const side = this.side();
+    this.root.replaceChildren(el("main", { class: "stagebox" }, canvas, this.tip, this.tools()), side);
+    this.stage = new Stage(canvas, this.model, new Map(session.cameras.map((c) => [c.id, c])), session.edges, session.up,
+      (image) => this.session.image_list[image]?.user ?? 0, session.in_metres);
+    this.timeline = new Timeline(this.source, this.stage);
+    this.root.firstElementChild!.append(this.timeline.element);
+    this.details.onChoose = (image) => this.chooseImage(image);
+    this.stage.refresh();
+    this.stage.fit();
+    this.tell();
+    this.listen(canvas);
+  }
+
+  private cameraOf(image: number): Camera | undefined {
+    const pose = worldPoses(this.model).find((p) => p.image === image);
+    return this.session.cameras.find((c) => c.id === pose?.camera) ?? this.session.cameras[0];
+  }
+
+  private tools(): HTMLElement {
+    const box = el("div", { class: "tools" });
+    box.append(select("Colour", [["colour", "photographs"], ["error", "error"], ["track", "track length"], ["cluster", "cluster"], ["user", "user"]],
+      (mode) => { this.stage.mode = mode as ColourMode; this.stage.draw(); }),
+      toggle("cameras", true, (on) => this.stage.setLayers(on, this.stage.showEdges)),
+      toggle("view graph", false, (on) => this.stage.setLayers(this.stage.showCameras, on)),
+      button("Larger", () => this.size(1.4)), button("Smaller", () => this.size(1 / 1.4)), button("Fit", () => this.stage.fit()));
+    return box;
+  }
+  private size(factor: number): void {
+    this.stage.pointSize = Math.min(12, Math.max(1, this.stage.pointSize * factor));
+    this.stage.draw();
+  }
+
+  private side(): HTMLElement {
+    const about = el("section", { class: "panel", "aria-label": "About" }, el("h2", {}, "About"),
+      el("p", {}, "Points: one drag turns, two fingers or the right button shift, the wheel or a pinch zooms. F sees all, Escape lets go."),
+      el("p", {}, "View graph: blue pairs hold, grey ones are open, orange ones were set aside as weak, violet ones are look-alikes kept apart, red ones contradict the model."),
+      el("h2", {}, "Licence of three.js, which draws the model"), el("pre", {}, this.session.licence));
+    const panels: [string, HTMLElement][] = [["Photographs", this.list.element], ["Details", this.details.element],
+      ["Events", el("section", { class: "panel", "aria-label": "Events" }, this.hints, this.events)], ["About", about]];
+    const bar = el("div", { class: "tabs", role: "tablist" });
+    this.tabs = panels.map(([name, panel]) => {
+      panel.id = `panel-${name.toLowerCase()}`;
+      panel.setAttribute("role", "tabpanel");
+      const tab = button(name, () => this.show(name), { role: "tab", "aria-controls": panel.id });
+      bar.append(tab);
+      return [tab, panel];
+    });
+    const side = el("aside", { class: "side" }, el("h1", {}, this.session.name), this.summary, bar, ...panels.map(([, panel]) => panel));
+    this.show("Photographs");
+    return side;
+  }
+  show(name: string): void {
+    for (const [tab, panel] of this.tabs) {
+      const on = tab.textContent === name;
+      tab.setAttribute("aria-selected", String(on));
+      panel.hidden = !on;
+    }
+  }
+
+  /** Counts, events and hints in words. */
+  tell(): void {
+    const c = this.session.counts;
+    this.summary.textContent = `${c.placed} of ${c.images} photographs placed, ${c.waiting} waiting, ${c.rejected} rejected; ` +
+      `${c.effective_clusters} ${c.effective_clusters === 1 ? "part" : "parts"}, version ${c.version}`;
+    this.events.replaceChildren(...this.session.events.slice(-200).reverse().map((e) => el("li", {}, el("b", {}, e.event), ` at photograph ${e.image}: ${e.text}`)));
+    this.hints.replaceChildren(...this.session.hints.map((h) => el("li", {}, button(h.text, () => this.chooseImage(h.image), { class: "link" }))));
+  }
+
+  chooseImage(image: number): void {
+    const fact = this.session.image_list.find((f) => f.id === image);
+    if (fact) this.choose(fact);
+  }
+  choose(fact: ImageFact): void {
+    this.selected = fact.id === undefined ? [] : [fact.id];
+    this.list.mark(fact.id ?? null);
+    this.stage.mark(null);
+    this.stage.select(this.selected);
+    if (fact.state === "placed" && fact.id !== undefined) this.stage.fit([fact.id]);
+    this.show("Details");
+    void this.details.image(fact).catch((error: Error) => this.fail(error));
+  }
+  private clicked(x: number, y: number, second: boolean): void {
+    const image = this.stage.pickCamera(x, y);
+    if (image !== null && second && this.selected.length > 0 && this.selected[0] !== image) {
+      this.selected = [this.selected[0], image];
+      this.stage.select(this.selected);
+      this.show("Details");
+      void this.details.pair(Math.min(...this.selected), Math.max(...this.selected)).catch((error: Error) => this.fail(error));
+      return;
+    }
+    if (image !== null) { this.chooseImage(image); return; }
+    const point = this.stage.pickPoint(x, y);
+    if (!point) { this.let(); return; }
+    this.stage.mark(point.position, this.model.clusters.get(point.cluster)?.part ?? 0);
+    this.show("Details");
+    void this.source.seenBy(point.cluster, point.slot).then((images) => { this.selected = images; this.stage.select(images); });
+    void this.details.point(point).catch((error: Error) => this.fail(error));
+  }
+  private let(): void {
+    this.selected = [];
+    this.stage.select([]);
+    this.stage.mark(null);
+    this.list.mark(null);
+  }
+  fail(error: Error): void { this.summary.textContent = error.message; }
+
+  private listen(canvas: HTMLCanvasElement): void {
+    let down: { x: number; y: number } | null = null;
+    canvas.addEventListener("pointerdown", (e) => { down = { x: e.offsetX, y: e.offsetY }; });
+    canvas.addEventListener("pointerup", (e) => {
+      if (down && Math.hypot(e.offsetX - down.x, e.offsetY - down.y) < 5) this.clicked(e.offsetX, e.offsetY, e.ctrlKey || e.metaKey);
+      down = null;
+    });
+    canvas.addEventListener("pointermove", (e) => {
+      if (e.buttons !== 0) { this.tip.hidden = true; return; }
+      const image = this.stage.pickCamera(e.offsetX, e.offsetY);
+      this.hover(image, e.offsetX, e.offsetY);
+    });
+    canvas.addEventListener("pointerleave", () => { this.tip.hidden = true; });
+    canvas.addEventListener("keydown", (e) => this.key(e));
+  }
+  private hover(image: number | null, x: number, y: number): void {
+    this.tip.hidden = image === null;
+    if (image === null) return;
+    const fact = this.session.image_list[image], thumbnail = this.source.thumbnail(image);
+    this.tip.replaceChildren(fact ? titleOf(fact) : String(image));
+    if (thumbnail) this.tip.append(el("img", { src: thumbnail, alt: "" }));
+    this.tip.style.left = `${x + 14}px`;
+    this.tip.style.top = `${y + 14}px`;
+  }
+  private key(e: KeyboardEvent): void {
+    const turn = (dx: number, dy: number): void => { this.stage.turn(dx, dy); e.preventDefault(); };
+    if (e.key === "f" || e.key === "F") this.stage.fit();
+    else if (e.key === "Escape") this.let();
+    else if (e.key === "+" || e.key === "=") this.stage.zoom(0.8);
+    else if (e.key === "-") this.stage.zoom(1.25);
+    else if (e.key === "ArrowLeft") turn(-0.1, 0);
+    else if (e.key === "ArrowRight") turn(0.1, 0);
+    else if (e.key === "ArrowUp") turn(0, -0.1);
+    else if (e.key === "ArrowDown") turn(0, 0.1);
+  }
+}
+
+async function main(): Promise<void> {
+  const root = document.getElementById("app")!;
+  const viewer = new Viewer(new FileSource(), root);
+  (window as unknown as { psfm: Viewer }).psfm = viewer; // for tests, and for who is curious
+  try {
+    await viewer.start();
+    document.documentElement.dataset.state = "ready";
+  } catch (error) {
+    root.replaceChildren(el("p", { class: "failed", role: "alert" }, `This page cannot show the session: ${(error as Error).message}`));
+    document.documentElement.dataset.state = "failed";
+    throw error;
+  }
+}
+void main();
