@@ -121,6 +121,8 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
         ++state_.counts.resets;
         tell(describe_reset(*message.problem, solution, state_.images));
     }
+    if (auto cameras = describe_cameras(*message.problem, solution, state_.images))
+        tell(*std::move(cameras));
     const ClusterEntry* entry =
         state_.clusters.finish(*message.problem, solution, message.solution->ok());
     events_.push_back(

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "scheduler/camera_report.h"
+
 namespace psfm {
 namespace {
 
@@ -117,6 +119,36 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
         event.text += " and " + std::to_string(sizes.size() - kShown) + " more";
     event.text += "; they are kept apart";
     event.detail_json = nlohmann::json{{"places", sizes}}.dump();
+    return event;
+}
+
+std::optional<SessionEvent> describe_cameras(const ClusterProblem& problem,
+                                             const ClusterSolution& solution,
+                                             std::span<const Image> images) {
+    std::vector<std::string> told;
+    nlohmann::json cameras = nlohmann::json::array();
+    for (const CameraReport& report : report_cameras(*solution.model, images)) {
+        const bool is_told = solution.statistics.ties_changed && report.is_shared_by_data;
+        if (!is_told && report.remark.empty()) continue;
+        const std::string& first = images[index_of(report.images.front())].name;
+        told.push_back("that of " + first + ", " + describe(report) +
+                       (report.remark.empty() ? "" : " (" + report.remark + ")"));
+        cameras.push_back({{"image", first},
+                           {"images", report.images.size()},
+                           {"focal_px", report.camera.mean_focal()},
+                           {"remark", report.remark}});
+    }
+    if (told.empty() || !(problem.settle || solution.statistics.ties_changed)) return std::nullopt;
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kCameras;
+    event.clusters = {index_of(problem.cluster)};
+    event.text = "of cluster " + std::to_string(index_of(problem.cluster)) + ": ";
+    constexpr std::size_t kShown = 3;
+    for (std::size_t i = 0; i < std::min(told.size(), kShown); ++i)
+        event.text += (i == 0 ? "" : "; ") + told[i];
+    if (told.size() > kShown)
+        event.text += "; and " + std::to_string(told.size() - kShown) + " more";
+    event.detail_json = nlohmann::json{{"cameras", cameras}}.dump();
     return event;
 }
 

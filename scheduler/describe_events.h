@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -24,6 +25,13 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
 /// places
 SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolution& solution,
                              std::span<const Image> images);
+
+/// What a model says of its cameras that people should know: which photographs are of one, where
+/// that has changed, and which of them are strange.
+/// @return nothing when there is nothing to tell
+std::optional<SessionEvent> describe_cameras(const ClusterProblem& problem,
+                                             const ClusterSolution& solution,
+                                             std::span<const Image> images);
 
 /// An image that `from` could not place goes to another cluster.
 SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const std::string& name);

@@ -39,6 +39,7 @@ std::string encode_solve_state(const StoredSolveState& state) {
                 {"images_at_start", state.state.images_at_start},
                 {"images_at_places", state.state.images_at_places},
                 {"has_strangers", state.state.has_strangers},
+                {"images_at_ties", state.state.images_at_ties},
                 {"settled", state.settled}}
         .dump();
 }
@@ -60,6 +61,7 @@ StoredSolveState decode_solve_state(const std::string& text) {
     count("images_at_contradiction", state.state.images_at_contradiction);
     count("images_at_start", state.state.images_at_start);
     count("images_at_places", state.state.images_at_places);
+    count("images_at_ties", state.state.images_at_ties);
     if (const auto angle = object.find("tolerated_contradiction_deg");
         angle != object.end() && angle->is_number()) {
         state.state.tolerated_contradiction_deg = angle->get<double>();

@@ -61,6 +61,8 @@ const char* name_of(SessionEvent::Kind kind) {
             return "adopt";
         case SessionEvent::Kind::kPlaces:
             return "places";
+        case SessionEvent::Kind::kCameras:
+            return "cameras";
         case SessionEvent::Kind::kSettle:
             return "settle";
         case SessionEvent::Kind::kSolve:

@@ -5,6 +5,14 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "graph/camera_lens.h"
+#include "stages/features/assign_camera.h"
 
 namespace psfm {
 namespace {
@@ -40,6 +48,65 @@ std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
     return calibrated;
 }
 
+/// Cameras by the kind of their photographs, where there are several of a kind: see camera_kind.
+using Kinds = std::map<std::string, std::set<CameraId>>;
+
+Kinds kinds_of(const SessionState& state, const SessionConfig& config,
+               std::span<const ImageId> images) {
+    Kinds kinds;
+    std::set<CameraId> seen;
+    for (const ImageId id : images) {
+        const Image& image = state.images[index_of(id)];
+        if (!seen.insert(image.camera).second || config.given_cameras.contains(image.name))
+            continue;
+        const std::string kind = camera_kind(config.camera_sharing, image.metadata);
+        if (!kind.empty()) kinds[kind].insert(image.camera);
+    }
+    std::erase_if(kinds, [](const auto& kind) { return kind.second.size() < 2; });
+    return kinds;
+}
+
+/// The camera that most images of one kind share in a published model.
+std::optional<Camera> most_common_camera(const SessionState& state, CameraSharing sharing,
+                                         const std::string& kind) {
+    std::optional<Camera> best;
+    std::uint32_t most = kImagesToCalibrate - 1;
+    for (const auto& shown : state.scene->clusters) {
+        if (!shown->model || !state.clusters.entries().contains(shown->id)) continue;
+        std::map<CameraId, std::uint32_t> counts;
+        for (const RegisteredImage& image : shown->model->images) ++counts[image.camera];
+        for (const RegisteredImage& image : shown->model->images) {
+            const std::uint32_t count = std::exchange(counts[image.camera], 0);
+            if (count <= most ||
+                camera_kind(sharing, state.images[index_of(image.image)].metadata) != kind)
+                continue;
+            most = count;
+            best = shown->model->cameras.at(image.camera);
+        }
+    }
+    return best;
+}
+
+/// The same for cameras of a kind that no recycled model has any of.
+void calibrate_kinds(const SessionState& state, const SessionConfig& config, const Kinds& kinds,
+                     ClusterProblem& problem) {
+    for (const auto& [kind, cameras] : kinds) {
+        const bool known = std::ranges::any_of(problem.recycled, [&](const auto& model) {
+            return std::ranges::any_of(model->images, [&](const RegisteredImage& image) {
+                return cameras.contains(state.images[index_of(image.image)].camera);
+            });
+        });
+        const auto common =
+            known ? std::nullopt : most_common_camera(state, config.camera_sharing, kind);
+        if (!common) continue;
+        for (const CameraId camera : cameras) {
+            const Camera& own = problem.cameras.at(camera);
+            const bool is_turned = own.width != common->width;
+            problem.calibrated[camera] = is_turned ? with_lens_of(own, *common) : *common;
+        }
+    }
+}
+
 }  // namespace
 
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
@@ -68,7 +135,14 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
         if (!problem->cameras.contains(image.camera))
             problem->cameras.emplace(image.camera, state.cameras.at(image.camera));
     }
-    if (!config.fix_intrinsics) problem->calibrated = calibrated_elsewhere(state, *problem);
+    if (config.fix_intrinsics) return problem;
+    const Kinds kinds = kinds_of(state, config, images);
+    for (std::uint32_t number = 0; const auto& [kind, cameras] : kinds) {
+        for (const CameraId camera : cameras) problem->alike[camera] = number;
+        ++number;
+    }
+    problem->calibrated = calibrated_elsewhere(state, *problem);
+    calibrate_kinds(state, config, kinds, *problem);
     return problem;
 }
 

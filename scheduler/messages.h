@@ -147,6 +147,7 @@ struct SessionEvent {
         kTransfer,
         kAdopt,
         kPlaces,
+        kCameras,  ///< which photographs are of one camera, or what is strange about one
         kSettle,  ///< models begin to settle
         kSolve
     };

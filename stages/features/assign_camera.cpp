@@ -88,6 +88,15 @@ std::string camera_key(CameraSharing sharing, const PhotoMetadata& metadata, std
     return "image|" + escaped(name);
 }
 
+std::string camera_kind(CameraSharing sharing, const PhotoMetadata& metadata) {
+    if (sharing != CameraSharing::kAuto) return {};
+    const auto [shorter, longer] = std::minmax(metadata.width, metadata.height);
+    const std::string size = std::to_string(longer) + "x" + std::to_string(shorter);
+    if (!knows_its_focal_length(metadata)) return "no focal length|" + size;
+    return escaped(metadata.make) + "|" + escaped(metadata.model) + "|" + size + "|" +
+           focal_text(metadata);
+}
+
 Camera initial_camera(const PhotoMetadata& metadata) {
     if (metadata.focal_px) {
         return make_camera(metadata.width, metadata.height, *metadata.focal_px, FocalSource::kExif);

@@ -16,7 +16,8 @@ namespace psfm {
 /// Which photographs share one set of intrinsics (--camera-sharing).
 enum class CameraSharing {
     /// Equal make, model, size and focal length in EXIF, where make and model may be missing from
-    /// all; without a focal length each image its own.
+    /// all. Without a focal length each image has its own, and those of one size are taken for one
+    /// camera while the data do not say otherwise (camera_kind).
     kAuto,
     kImage,   ///< each image its own
     kFolder,  ///< images of one size in one folder
@@ -35,12 +36,18 @@ std::string_view camera_sharing_name(CameraSharing sharing);
 std::string camera_key(CameraSharing sharing, const PhotoMetadata& metadata, std::string_view name,
                        std::string_view user = {});
 
+/// Photographs of one kind may well be of one camera, though their keys differ: frames of a video,
+/// and photographs that have lost their EXIF, of one size; upright and turned ones. Reconstruction
+/// finds out whether they are.
+/// @return equal for those of one kind; empty where the camera's key alone decides. Thread-safe.
+std::string camera_kind(CameraSharing sharing, const PhotoMetadata& metadata);
+
 /// Focal length when nothing is known, over the longer side: 45 degrees of view, between a phone's
 /// main camera (about 0.75) and portrait lenses. Source: COLMAP 3.8, default_focal_length_factor.
 inline constexpr double kUnknownFocalFactor = 1.2;
 
 /// SIMPLE_RADIAL without distortion, centred principal point, focal length from EXIF (kExif) or a
-/// guess (kUnknown). REQUIRES: width, height > 0. Thread-safe.
+/// guess (kUnknown), which is EXIF's where that is vague. REQUIRES: width, height > 0. Thread-safe.
 Camera initial_camera(const PhotoMetadata& metadata);
 
 /// The camera that a new image belongs to.

@@ -67,11 +67,20 @@ AdjustmentParameters lay_out(const WorkingModel& model,
         at = size;
         size += block;
     };
-    for (auto& [camera, at] : parameters.camera_at) place(at, kIntrinsicsSize);
+    for (auto& [camera, at] : parameters.camera_at) {
+        const CameraId lens = model.lens_of(camera);
+        if (lens != camera && parameters.camera_at.contains(lens))
+            parameters.owner_of_block[camera] = lens;
+        else
+            place(at, kIntrinsicsSize);
+    }
+    for (const auto& [camera, owner] : parameters.owner_of_block)
+        parameters.camera_at[camera] = parameters.camera_at.at(owner);
     for (std::size_t& at : parameters.pose_at) place(at, kPoseSize);
     for (std::size_t& at : parameters.point_at) place(at, kPointSize);
     parameters.values.resize(size);
     for (const auto& [camera, at] : parameters.camera_at) {
+        if (parameters.owner_of(camera) != camera) continue;
         std::ranges::copy(model.cameras().at(camera).params,
                           parameters.values.begin() + static_cast<std::ptrdiff_t>(at));
     }
@@ -87,6 +96,25 @@ AdjustmentParameters lay_out(const WorkingModel& model,
         }
     }
     return parameters;
+}
+
+Eigen::Vector2d shift_to_block(const WorkingModel& model, const AdjustmentParameters& parameters,
+                               CameraId camera) {
+    const CameraId owner = parameters.owner_of(camera);
+    if (owner == camera) return Eigen::Vector2d::Zero();
+    return model.cameras().at(owner).principal_point() -
+           model.cameras().at(camera).principal_point();
+}
+
+bool block_is_free(const AdjustmentParameters& parameters, const AdjustmentScope& scope,
+                   CameraId owner) {
+    const auto is_free = [&](CameraId camera) {
+        return std::ranges::binary_search(scope.free_cameras, camera);
+    };
+    return is_free(owner) &&
+           std::ranges::all_of(parameters.owner_of_block, [&](const auto& shared) {
+               return shared.second != owner || is_free(shared.first);
+           });
 }
 
 std::vector<int> held_intrinsics(CameraModel model, bool free_principal_point) {
@@ -135,7 +163,7 @@ void write_back(const AdjustmentParameters& parameters, const AdjustmentSelectio
     }
     for (const CameraId camera : scope.free_cameras) {
         const auto at = parameters.camera_at.find(camera);
-        if (at == parameters.camera_at.end()) continue;
+        if (at == parameters.camera_at.end() || parameters.owner_of(camera) != camera) continue;
         Camera refined = model.cameras().at(camera);
         std::copy_n(parameters.values.begin() + static_cast<std::ptrdiff_t>(at->second),
                     kIntrinsicsSize, refined.params.begin());
@@ -143,6 +171,7 @@ void write_back(const AdjustmentParameters& parameters, const AdjustmentSelectio
         if (refined.focal_source != FocalSource::kGiven)
             refined.focal_source = FocalSource::kEstimated;
         model.mutable_camera(camera) = refined;
+        model.share_lens(camera);
     }
 }
 

@@ -16,9 +16,16 @@ namespace psfm {
 struct AdjustmentParameters {
     std::vector<double> values;
     std::map<CameraId, std::size_t> camera_at;
+    /// Cameras that take part in the block of another one, whose lens they have.
+    std::map<CameraId, CameraId> owner_of_block;
     std::vector<std::size_t> pose_at;   ///< per image; kAbsent when it takes no part
     std::vector<std::size_t> point_at;  ///< per point; kAbsent when it takes no part
     static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
+
+    CameraId owner_of(CameraId camera) const {
+        const auto other = owner_of_block.find(camera);
+        return other == owner_of_block.end() ? camera : other->second;
+    }
 };
 
 struct AdjustmentResidual {
@@ -38,6 +45,15 @@ AdjustmentSelection select_residuals(const WorkingModel& model, const Adjustment
 
 AdjustmentParameters lay_out(const WorkingModel& model,
                              const std::vector<AdjustmentResidual>& residuals);
+
+/// What an observation's pixel is moved by, so that it has the principal point of its camera's
+/// block.
+Eigen::Vector2d shift_to_block(const WorkingModel& model, const AdjustmentParameters& parameters,
+                               CameraId camera);
+
+/// Whether a camera's block is free: every camera that takes part in it is.
+bool block_is_free(const AdjustmentParameters& parameters, const AdjustmentScope& scope,
+                   CameraId owner);
 
 /// The coordinate of the farthest image's translation that changes most when the scene is scaled
 /// about the origin: 0 x, 1 y, 2 z.

@@ -21,20 +21,24 @@ std::vector<std::uint32_t> observation_counts(const WorkingModel& model) {
     return counts;
 }
 
-/// Cameras that no registered image shares beside these, ascending.
+/// Cameras whose lens no registered image has beside these, ascending.
 std::vector<CameraId> cameras_of_only(const WorkingModel& model,
                                       const std::vector<std::uint32_t>& images) {
-    std::map<CameraId, bool> all_free;
+    std::map<CameraId, bool> lens_is_free;
+    std::set<CameraId> cameras;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
         if (!model.registered(other)) continue;
-        auto [entry, added] = all_free.try_emplace(model.camera_id(other), true);
-        entry->second = entry->second && std::ranges::binary_search(images, other);
+        const CameraId camera = model.camera_id(other);
+        cameras.insert(camera);
+        auto [entry, added] = lens_is_free.try_emplace(model.lens_of(camera), true);
+        entry->second = entry->second && std::ranges::binary_search(images, other) &&
+                        !model.is_held(camera);
     }
-    std::vector<CameraId> cameras;
-    for (const auto& [camera, is_free] : all_free) {
-        if (is_free && !model.is_held(camera)) cameras.push_back(camera);
+    std::vector<CameraId> free;
+    for (const CameraId camera : cameras) {
+        if (lens_is_free.at(model.lens_of(camera))) free.push_back(camera);
     }
-    return cameras;
+    return free;
 }
 
 }  // namespace

@@ -36,7 +36,9 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
     ceres::Problem problem(problem_options);
     for (const AdjustmentResidual& residual : selection.residuals) {
         const std::uint32_t image = residual.feature.image;
-        costs.emplace_back(model.camera(image).model, model.pixel(residual.feature),
+        costs.emplace_back(model.camera(image).model,
+                           model.pixel(residual.feature) +
+                               shift_to_block(model, parameters, model.camera_id(image)),
                            observation_sigma(model.keypoint(residual.feature), options));
         problem.AddResidualBlock(
             &costs.back(), &loss, &parameters.values[parameters.pose_at[image]],
@@ -64,8 +66,9 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
         ordering->AddElementToGroup(block, 0);
     }
     for (const auto& [camera, at] : parameters.camera_at) {
+        if (parameters.owner_of(camera) != camera) continue;
         double* block = &parameters.values[at];
-        if (std::ranges::binary_search(scope.free_cameras, camera)) {
+        if (block_is_free(parameters, scope, camera)) {
             const bool free_point = std::ranges::binary_search(scope.free_principal_points, camera);
             const Camera& initial = model.cameras().at(camera);
             manifolds.push_back(std::make_unique<ceres::SubsetManifold>(

@@ -74,6 +74,7 @@ ClusterProblem part_of(const ClusterProblem& problem, const LocalGraph& graph,
         part.cameras[camera] = graph.cameras.at(camera);
     }
     part.view_graph = ViewGraph(graph.pairs);
+    part.twins = problem.twins;
     return part;
 }
 

@@ -31,4 +31,9 @@ std::vector<VerifiedPairPtr> weak_pairs_of(const ClusterProblem& problem) {
     return pairs_of(problem, /*weak=*/true);
 }
 
+CameraId lens_of(const ClusterProblem& problem, CameraId camera) {
+    const auto twin = problem.twins.find(camera);
+    return twin == problem.twins.end() ? camera : twin->second;
+}
+
 }  // namespace psfm

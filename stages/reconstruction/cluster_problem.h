@@ -46,6 +46,8 @@ struct SolveState {
     /// that were added since have given reason to.
     std::uint32_t images_at_places = 0;
     bool has_strangers = false;
+    /// Images of the model when it was last asked which cameras may be one (judge_ties).
+    std::uint32_t images_at_ties = 0;
     bool operator==(const SolveState&) const = default;
 };
 
@@ -56,6 +58,12 @@ struct ClusterProblem {
     std::uint32_t topology = 0;        ///< the cluster's topology count that this problem describes
     std::vector<ClusterImage> images;  ///< members, ascending by id
     std::map<CameraId, Camera> cameras;  ///< as accepted; every camera of `images`
+    /// Cameras of one image each that may well be one and the same, by the kind of their
+    /// photographs: they are taken for one unless the data say otherwise (solve_with_ties.h).
+    std::map<CameraId, std::uint32_t> alike;
+    /// Cameras of turned photographs that have the lens of another camera: the same focal length
+    /// and distortion, another principal point (camera_ties.h).
+    std::map<CameraId, CameraId> twins;
     /// Some of them as other clusters have estimated them: better to start from than EXIF.
     std::map<CameraId, Camera> calibrated;
     /// Those of its edges count that have both ends in the cluster (pairs_of).
@@ -80,6 +88,9 @@ struct ClusterProblem {
 std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem);
 /// The weak ones (ViewGraph::Edge), ascending; none where the problem does without.
 std::vector<VerifiedPairPtr> weak_pairs_of(const ClusterProblem& problem);
+
+/// The camera whose lens it has (twins); itself where it has one of its own.
+CameraId lens_of(const ClusterProblem& problem, CameraId camera);
 
 /// How a solution came about (paper, fig. "reconstruction").
 enum class SolveKind : std::uint8_t { kTooSmall, kNew, kExtend, kTransfer, kSettle };
@@ -111,6 +122,7 @@ struct SolveStatistics {
     std::uint32_t left_models = 0;    ///< and those that could not
     std::uint32_t closed_loops = 0;   ///< times that what was open in the model was closed
     std::optional<Reset> reset;
+    bool ties_changed = false;        ///< cameras that were tied are not any more, or the contrary
     std::uint32_t registered = 0;     ///< images added by this solve
     std::uint32_t removed_edges = 0;  ///< edges dropped from the local graph by rotation averaging
     std::uint32_t full_adjustments = 0;

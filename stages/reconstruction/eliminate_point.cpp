@@ -24,18 +24,21 @@ ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,
       options_(options),
       layout_(layout),
       views_(model.image_count()) {
+    std::vector<Eigen::Vector2f> shifts(model.image_count(), Eigen::Vector2f::Zero());
     for (std::uint32_t image = 0; image < views_.size(); ++image) {
         if (layout.pose_at[image] == AdjustmentParameters::kAbsent) continue;
         const CameraId camera = model.camera_id(image);
-        const auto intrinsics = columns.intrinsics.find(camera);
         views_[image] = {model.camera(image).model, layout.pose_at[image],
                          layout.camera_at.at(camera), columns.pose[image],
-                         intrinsics == columns.intrinsics.end() ? nullptr : &intrinsics->second};
+                         columns.of(model, camera)};
+        shifts[image] = shift_to_block(model, layout, camera).cast<float>();
     }
     observed_.reserve(selection.residuals.size());
     for (const AdjustmentResidual& residual : selection.residuals) {
         const Keypoint& keypoint = model.keypoint(residual.feature);
-        observed_.push_back({keypoint.x, keypoint.y, 1.0 / observation_sigma(keypoint, options)});
+        const Eigen::Vector2f& shift = shifts[residual.feature.image];
+        observed_.push_back({keypoint.x + shift.x(), keypoint.y + shift.y(),
+                             1.0 / observation_sigma(keypoint, options)});
     }
 }
 

@@ -36,7 +36,8 @@ bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
     if (camera.focal_source != FocalSource::kUnknown || model.is_held(model.camera_id(image)))
         return true;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
-        if (model.registered(other) && model.camera_id(other) == model.camera_id(image))
+        if (model.registered(other) && model.lens_of(model.camera_id(other)) ==
+                                           model.lens_of(model.camera_id(image)))
             return true;
     }
     return false;
@@ -69,7 +70,10 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
     const auto pose = estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal,
                                              options.absolute_pose, seed);
     if (!pose.ok()) return false;
-    if (refine_focal) model.mutable_camera(model.camera_id(image)) = pose->camera;
+    if (refine_focal) {
+        model.mutable_camera(model.camera_id(image)) = pose->camera;
+        model.share_lens(model.camera_id(image));
+    }
     model.set_pose(image, pose->cam_from_world);
     for (const std::uint32_t inlier : pose->inliers) {
         if (model.point_of(features[inlier]) == WorkingModel::kNoPoint) {

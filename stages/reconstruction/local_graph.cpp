@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ranges>
 
+#include "graph/camera_lens.h"
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/calibrate_focals.h"
 #include "stages/reconstruction/local_numbers.h"
@@ -19,6 +20,19 @@ Camera with_focal(Camera verified, const Camera& believed) {
     if (verified.has_two_focals()) verified.params[1] = believed.fy();
     verified.focal_source = FocalSource::kEstimated;
     return verified;
+}
+
+/// That of the one that is known, where one is.
+void give_twins_one_lens(const ClusterProblem& problem, std::map<CameraId, Camera>& cameras) {
+    for (const auto& [twin, camera] : problem.twins) {
+        const auto first = cameras.find(camera);
+        const auto second = cameras.find(twin);
+        if (first == cameras.end() || second == cameras.end()) continue;
+        const bool second_knows = first->second.focal_source == FocalSource::kUnknown &&
+                                  second->second.focal_source != FocalSource::kUnknown;
+        Camera& taught = second_knows ? first->second : second->second;
+        taught = with_lens_of(taught, second_knows ? second->second : first->second);
+    }
 }
 
 /// Intrinsics from the recycled model where it has them; unknown focal lengths from fundamental
@@ -36,6 +50,7 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
             if (cameras.contains(id)) cameras[id] = camera;
         }
     }
+    give_twins_one_lens(problem, cameras);
     const bool all_known = std::ranges::all_of(
         cameras, [](const auto& c) { return c.second.focal_source != FocalSource::kUnknown; });
     if (all_known || problem.fix_intrinsics) return cameras;
@@ -61,6 +76,7 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
         camera.params[0] = focal.focal_px;
         if (camera.has_two_focals()) camera.params[1] = focal.focal_px;
     }
+    give_twins_one_lens(problem, cameras);
     return cameras;
 }
 

@@ -70,7 +70,8 @@ AdjustmentColumns make_columns(const WorkingModel& model, const AdjustmentScope&
         columns.count += 6;
     }
     for (const auto& [camera, at] : parameters.camera_at) {
-        if (!std::ranges::binary_search(scope.free_cameras, camera)) continue;
+        if (parameters.owner_of(camera) != camera || !block_is_free(parameters, scope, camera))
+            continue;
         AdjustmentColumns::Intrinsics intrinsics;
         intrinsics.column = columns.count;
         intrinsics.free_principal_point =
@@ -124,9 +125,8 @@ TilePattern pattern_of(const AdjustmentColumns& columns, const AdjustmentSelecti
         }
         const std::uint32_t image = residuals[i].feature.image;
         if (columns.pose[image] != AdjustmentColumns::kHeld) add(columns.pose[image]);
-        const auto intrinsics = columns.intrinsics.find(model.camera_id(image));
-        if (intrinsics != columns.intrinsics.end() && !intrinsics->second.slots.empty())
-            add(intrinsics->second.column);
+        const auto* intrinsics = columns.of(model, model.camera_id(image));
+        if (intrinsics != nullptr && !intrinsics->slots.empty()) add(intrinsics->column);
     }
     pattern.couple(tiles);
     pattern.fill();

@@ -22,6 +22,12 @@ struct AdjustmentColumns {
         std::vector<int> slots;  ///< free ones, ascending; one column each
         bool free_principal_point = false;
     };
+    /// Of a camera's block; null when it stays.
+    const Intrinsics* of(const WorkingModel& model, CameraId camera) const {
+        auto found = intrinsics.find(camera);
+        if (found == intrinsics.end()) found = intrinsics.find(model.lens_of(camera));
+        return found == intrinsics.end() ? nullptr : &found->second;
+    }
     std::vector<std::size_t> pose;  ///< per image: first of six columns; kHeld when it stays
     std::map<CameraId, Intrinsics> intrinsics;  ///< free cameras that take part
     std::optional<std::size_t>

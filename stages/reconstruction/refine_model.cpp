@@ -26,7 +26,7 @@ std::size_t observation_count(const WorkingModel& model, std::span<const std::ui
 }
 
 /// Cameras that at least so many registered images share, ascending; given ones keep their
-/// principal point.
+/// principal point, and so do those of turned photographs, which only share the lens.
 std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32_t images) {
     std::map<CameraId, std::uint32_t> counts;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
@@ -34,7 +34,8 @@ std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32
     }
     std::vector<CameraId> cameras;
     for (const auto& [camera, count] : counts) {
-        if (count >= images && model.cameras().at(camera).focal_source != FocalSource::kGiven)
+        if (count >= images && !model.has_twin(camera) &&
+            model.cameras().at(camera).focal_source != FocalSource::kGiven)
             cameras.push_back(camera);
     }
     return cameras;

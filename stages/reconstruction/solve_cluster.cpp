@@ -20,6 +20,7 @@
 #include "stages/reconstruction/refine_model.h"
 #include "stages/reconstruction/separate_places.h"
 #include "stages/reconstruction/solve_global.h"
+#include "stages/reconstruction/solve_with_ties.h"
 #include "stages/reconstruction/tracks.h"
 
 namespace psfm {
@@ -308,7 +309,9 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     if (problem.images.size() < options.mu_min) {
         attempt.statistics.kind = SolveKind::kTooSmall;
     } else {
-        auto attempted = attempt_solve(problem, options, cancel);
+        auto attempted = solve_with_ties(problem, options, [&](const ClusterProblem& tied) {
+            return attempt_solve(tied, options, cancel);
+        });
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
         reason = WaitReason::kNoSeed;

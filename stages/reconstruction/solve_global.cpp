@@ -170,6 +170,7 @@ Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProble
     const auto calibrated = calibrate_shared_cameras(problem, graph, options, cancel);
     if (!calibrated) return calibrated.error();
     for (const auto& [id, camera] : *calibrated) model.mutable_camera(id) = camera;
+    for (const auto& [twin, camera] : problem.twins) model.share_lens(camera);
     auto placement = place_images(
         model, problem, pairs_seen_through(*calibrated, problem, graph, options.verification),
         options);

@@ -16,6 +16,7 @@
 #include "stages/reconstruction/filter_directions.h"
 #include "stages/reconstruction/loop_options.h"
 #include "stages/reconstruction/place_options.h"
+#include "stages/reconstruction/tie_options.h"
 #include "stages/reconstruction/triangulation.h"
 #include "stages/verification/verify_options.h"
 
@@ -187,6 +188,8 @@ struct SolveOptions {
     /// paper. Ours (docs/look-alikes.md).
     std::optional<PlausibilityOptions> plausibility = PlausibilityOptions{};
     FocalCalibrationOptions focal_calibration;
+    /// When cameras that may be one are not.
+    TieOptions ties;
     VerifyOptions
         verification;  ///< of pairs whose focal lengths have become known since they were verified
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "stages/reconstruction/local_numbers.h"
@@ -131,6 +132,7 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
     part.cluster = problem.cluster;
     part.topology = problem.topology;
     part.calibrated = problem.calibrated;
+    part.twins = problem.twins;
     part.recycled_state = problem.recycled_state;
     part.fix_intrinsics = problem.fix_intrinsics;
     part.use_weak_edges = problem.use_weak_edges;
@@ -141,10 +143,13 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
         part.images.push_back(image);
         part.cameras.emplace(image.camera, problem.cameras.at(image.camera));
     }
+    std::set<CameraId> lenses_outside;
     for (std::size_t i = 0; i < roles.size(); ++i) {
-        const CameraId camera = problem.images[i].camera;
-        if (roles[i] == Role::kOutside && part.cameras.contains(camera))
-            part.held_cameras.insert(camera);
+        if (roles[i] == Role::kOutside)
+            lenses_outside.insert(lens_of(problem, problem.images[i].camera));
+    }
+    for (const auto& [id, camera] : part.cameras) {
+        if (lenses_outside.contains(lens_of(problem, id))) part.held_cameras.insert(id);
     }
     part.view_graph = edges_inside(problem, numbers, roles);
     part.recycled = problem.recycled;

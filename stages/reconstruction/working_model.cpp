@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "graph/camera_lens.h"
 #include "stages/reconstruction/in_parallel.h"
 
 namespace psfm {
@@ -29,6 +30,21 @@ WorkingModel::WorkingModel(const ClusterProblem& problem, const CorrespondenceGr
         visible_links_.emplace_back(image.keypoints->size(), std::uint16_t{0});
         const Camera& camera = cameras_.at(image.camera);
         pyramids_.emplace_back(camera.width, camera.height);
+    }
+}
+
+bool WorkingModel::has_twin(CameraId id) const {
+    return std::ranges::any_of(problem_->twins, [&](const auto& twin) {
+        return (twin.first == id || twin.second == id) && cameras_.contains(twin.first) &&
+               cameras_.contains(twin.second);
+    });
+}
+
+void WorkingModel::share_lens(CameraId id) {
+    if (problem_->twins.empty()) return;
+    for (auto& [other, camera] : cameras_) {
+        if (other != id && lens_of(other) == lens_of(id))
+            camera = with_lens_of(camera, cameras_.at(id));
     }
 }
 

@@ -64,6 +64,12 @@ class WorkingModel {
     CameraId camera_id(std::uint32_t image) const { return problem_->images[image].camera; }
     const Camera& camera(std::uint32_t image) const { return cameras_.at(camera_id(image)); }
     Camera& mutable_camera(CameraId id) { return cameras_.at(id); }
+    /// The camera whose lens it has (ClusterProblem::twins); itself where it has one of its own.
+    CameraId lens_of(CameraId id) const { return psfm::lens_of(*problem_, id); }
+    /// Whether cameras of the problem have one lens.
+    bool has_twin(CameraId id) const;
+    /// Gives the lens of a camera to those that have the same one.
+    void share_lens(CameraId id);
     /// Whether registered images outside of this problem share a camera.
     bool is_held(CameraId id) const { return problem_->held_cameras.contains(id); }
     const std::map<CameraId, Camera>& cameras() const { return cameras_; }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/camera.h"
+#include "graph/camera_lens.h"
 
 #include <gtest/gtest.h>
 
@@ -203,6 +204,18 @@ TEST(CameraValidate, RefusesWhatCannotBeACamera) {
     EXPECT_TRUE(refused(bad));
     bad = camera_of(CameraModel::kPinhole, {900, 0, 510, 370});
     EXPECT_TRUE(refused(bad)) << "the second focal length counts too";
+}
+
+TEST(CameraTest, TheLensOfAnotherCameraLeavesThePrincipalPoint) {
+    Camera portrait = make_camera(300, 400, 500, FocalSource::kUnknown);
+    Camera landscape = make_camera(400, 300, 520, FocalSource::kEstimated);
+    landscape.params = {520, 203, 148, -0.07};
+    const Camera result = with_lens_of(portrait, landscape);
+    EXPECT_EQ(result.fx(), 520.0);
+    EXPECT_EQ(result.params[3], -0.07);
+    EXPECT_EQ(result.principal_point(), Eigen::Vector2d(150, 200));
+    EXPECT_EQ(result.width, 300U);
+    EXPECT_EQ(result.focal_source, FocalSource::kEstimated);
 }
 
 }  // namespace

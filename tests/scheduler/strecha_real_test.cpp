@@ -108,6 +108,13 @@ TEST_P(StrechaRealTest, NothingKnown) {
     EXPECT_LE(reconstruct(config).position_relative, GetParam().unknown_relative);
 }
 
+// Nothing is said of cameras: the photographs show that it is one.
+TEST_P(StrechaRealTest, NothingKnownOrSaid) {
+    SessionConfig config;
+    config.deterministic = true;
+    EXPECT_LE(reconstruct(config).position_relative, GetParam().unknown_relative);
+}
+
 // What COLMAP 3.8 reaches on the same photographs, and a tenth (shared/DATASETS.md).
 INSTANTIATE_TEST_SUITE_P(Scenes, StrechaRealTest,
                          testing::Values(Scene{"Herz-Jesus-P8", 8, 4.0, 0.00055},

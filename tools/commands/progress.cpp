@@ -87,6 +87,9 @@ void Progress::on_publish(const PublishMessage& publish) {
             case SessionEvent::Kind::kPlaces:
                 say("places: " + event.text);
                 break;
+            case SessionEvent::Kind::kCameras:
+                say("cameras: " + event.text);
+                break;
             case SessionEvent::Kind::kJoin:
             case SessionEvent::Kind::kSplit:
             case SessionEvent::Kind::kTransfer:

@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "scheduler/camera_report.h"
 #include "storage/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/geo_report.h"
@@ -50,6 +51,21 @@ std::string json_line(const Status& status, const std::string& session) {
     return status_json(status.facts, datum, read_run_state(session));
 }
 
+/// Cameras that several photographs share by what they show, and strange ones; the others are as
+/// EXIF has them.
+void print_cameras(const SessionFacts& facts) {
+    constexpr int kShown = 10;
+    int count = 0;
+    for (const CameraReport& report : report_cameras(facts.scene, facts.images)) {
+        if (!report.is_shared_by_data && report.remark.empty()) continue;
+        if (++count > kShown) continue;
+        std::cout << "camera    of " << facts.images[index_of(report.images.front())].name << ": "
+                  << describe(report) << (report.remark.empty() ? "" : "; " + report.remark)
+                  << '\n';
+    }
+    if (count > kShown) std::cout << "camera    and " << count - kShown << " more\n";
+}
+
 void print_text(const Status& status, const std::string& session) {
     const SessionCounts& counts = status.facts.summary.counts;
     std::cout << "version " << counts.version << '\n'
@@ -64,6 +80,7 @@ void print_text(const Status& status, const std::string& session) {
               << " settled, " << counts.solves_coalesced << " coalesced, " << counts.solves_skipped
               << " skipped\n";
     if (status.reference) std::cout << describe(*status.reference) << '\n';
+    print_cameras(status.facts);
     for (const ImageFact& fact : status.facts.facts) {
         if (fact.state == ImageState::kWaiting)
             std::cout << "waiting   " << fact.name << ": " << fact.words << '\n';

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "scheduler/camera_report.h"
+
 namespace psfm {
 namespace {
 
@@ -36,6 +38,22 @@ ordered_json json_of(const ImageFact& fact) {
         object["error_px"] = thousandths(fact.error_px);
     }
     return object;
+}
+
+ordered_json cameras_of(const SessionFacts& facts) {
+    ordered_json cameras = ordered_json::array();
+    for (const CameraReport& report : report_cameras(facts.scene, facts.images)) {
+        ordered_json names = ordered_json::array();
+        for (const ImageId image : report.images)
+            names.push_back(facts.images[index_of(image)].name);
+        cameras.push_back({{"width", report.camera.width},
+                           {"height", report.camera.height},
+                           {"focal_px", report.camera.mean_focal()},
+                           {"shared_by_data", report.is_shared_by_data},
+                           {"remark", report.remark},
+                           {"images", std::move(names)}});
+    }
+    return cameras;
 }
 
 ordered_json json_of(const RunState& state) {
@@ -84,6 +102,7 @@ std::string status_json(const SessionFacts& facts, const std::optional<DatumFact
                              {"solves_settle", counts.solves_settle},
                              {"solves_skipped", counts.solves_skipped},
                              {"solves_coalesced", counts.solves_coalesced},
+                             {"cameras", cameras_of(facts)},
                              {"datum", std::move(where)},
                              {"events", std::move(events)},
                              {"running", running ? json_of(*running) : ordered_json()},

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace psfm {
 namespace {
 
@@ -62,6 +64,31 @@ TEST(AssignCameraTest, WithoutExifEachImageIsItsOwnCamera) {
     no_focal.focal_px.reset();
     EXPECT_NE(camera_key(CameraSharing::kAuto, no_focal, "1.jpg"),
               camera_key(CameraSharing::kAuto, no_focal, "2.jpg"));
+}
+
+TEST(AssignCameraTest, PhotographsOfOneKind) {
+    const auto kind = [](const PhotoMetadata& metadata) {
+        return camera_kind(CameraSharing::kAuto, metadata);
+    };
+    PhotoMetadata unknown;
+    unknown.width = 900;
+    unknown.height = 675;
+    PhotoMetadata turned = unknown;
+    std::swap(turned.width, turned.height);
+    PhotoMetadata other = unknown;
+    other.height = 900;
+    EXPECT_FALSE(kind(unknown).empty());
+    EXPECT_EQ(kind(turned), kind(unknown));
+    EXPECT_NE(kind(other), kind(unknown));
+    EXPECT_NE(kind(phone()), kind(unknown));
+    PhotoMetadata upright = phone();
+    std::swap(upright.width, upright.height);
+    EXPECT_EQ(kind(upright), kind(phone()));
+    upright.focal_px = 1456.0;
+    EXPECT_NE(kind(upright), kind(phone()));
+    for (const CameraSharing sharing :
+         {CameraSharing::kImage, CameraSharing::kFolder, CameraSharing::kAll})
+        EXPECT_TRUE(camera_kind(sharing, unknown).empty());
 }
 
 TEST(AssignCameraTest, OtherModes) {

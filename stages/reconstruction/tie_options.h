@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// When photographs that may well be of one camera are not (judge_ties.h).
+struct TieOptions {
+    /// A camera of its own has to take the mean error of an image's observations down by this
+    /// factor. Raised: mixed zoom is bent; lowered: what no camera of the model explains, a rolling
+    /// shutter or wrong points, gives photographs cameras of their own.
+    /// Ours (docs/accuracy.md).
+    double min_gain = 1.3;
+    /// And its focal length has to differ by this part at least. Raised: as above; lowered: focus,
+    /// which moves focal lengths by a per cent or two, parts cameras. Ours.
+    double min_deviation = 0.03;
+    /// Cameras whose focal lengths differ by less have one in common, when it explains them as well
+    /// as one each does. Raised: zooms that are near each other are mixed; lowered: each photograph
+    /// has its own. Ours.
+    double max_step = 0.03;
+    /// Fewer observations say nothing of an image's camera. Ours.
+    std::uint32_t min_observations = 30;
+    /// Points that are looked at, about so many seen by each image. Raised: slower; lowered: focal
+    /// lengths are less certain. Ours.
+    std::uint32_t points_per_image = 400;
+    /// A model is asked again when it has grown by this part, and when it settles. Raised: mixed
+    /// zoom is found later; lowered: slower. Ours.
+    double ask_again = 0.5;
+    /// Of each adjustment that this takes. Lowered: what was bent is not bent back. Ours.
+    int max_iterations = 50;
+};
+
+/// @errors kInvalidArgument
+Result<void> validate(const TieOptions& options);
+
+}  // namespace psfm
