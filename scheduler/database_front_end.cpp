@@ -53,6 +53,8 @@ class DatabaseFrontEnd final : public FrontEnd {
         return extracted;
     }
 
+    std::size_t extraction_bytes(const PhotoFile& /*photo*/) const override { return 0; }
+
     Result<std::vector<KnownImage>> candidates(const AcceptedImage& accepted) override {
         const auto found = by_name_.find(accepted.image.name);
         if (found == by_name_.end()) return std::vector<KnownImage>{};

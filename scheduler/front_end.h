@@ -28,6 +28,8 @@ class FrontEnd {
 
     /// Thread-safe. @errors of the photograph; the session rejects it and goes on
     virtual Result<ExtractedPhoto> extract(const PhotoFile& photo) const = 0;
+    /// What extract() takes of memory [bytes]; 0: not worth counting. Thread-safe.
+    virtual std::size_t extraction_bytes(const PhotoFile& photo) const = 0;
     /// Called in order of image id, one at a time. @return earlier images, ascending by id
     /// @errors end the session
     virtual Result<std::vector<KnownImage>> candidates(const AcceptedImage& image) = 0;

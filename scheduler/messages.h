@@ -39,6 +39,7 @@ struct ArrivedPhoto {
     PhotoFile file;
     Clock::time_point arrival;
     std::optional<FileStamp> stamp;  ///< before it was read
+    std::size_t bytes = 0;           ///< of the budget of memory; given back once it was read
 };
 
 struct ExtractedMessage {

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "scheduler/front_end.h"
+#include "stages/features/extraction_memory.h"
 #include "stages/retrieval/run_retrieval.h"
 #include "stages/retrieval/vocabulary_file.h"
 #include "stages/verification/run_verification.h"
@@ -26,6 +27,10 @@ class PhotographFrontEnd final : public FrontEnd {
 
     Result<ExtractedPhoto> extract(const PhotoFile& photo) const override {
         return run_features(photo, options_.features);
+    }
+
+    std::size_t extraction_bytes(const PhotoFile& photo) const override {
+        return psfm::extraction_bytes(photo, options_.features);
     }
 
     Result<std::vector<KnownImage>> candidates(const AcceptedImage& accepted) override {

@@ -14,6 +14,7 @@
 #include "scheduler/admission.h"
 #include "scheduler/committer.h"
 #include "scheduler/front_end.h"
+#include "scheduler/memory_budget.h"
 #include "scheduler/node_times.h"
 #include "scheduler/session_graph.h"
 #include "scheduler/session_state.h"
@@ -55,6 +56,15 @@ bool admit(Admission& tokens, const SessionGraph& graph, const std::atomic<bool>
     return false;
 }
 
+/// The same for what reading a photograph takes.
+bool admit(MemoryBudget& memory, std::size_t bytes, const SessionGraph& graph,
+           const std::atomic<bool>& stop) {
+    while (!stop.load() && !graph.failed()) {
+        if (memory.acquire_for(bytes, kPoll)) return true;
+    }
+    return false;
+}
+
 /// An arena for so many threads at once: one from outside, which has a slot of its own, and TBB's
 /// workers. An arena with one slot has two in TBB: the second one is kept for nobody.
 tbb::task_arena arena_of(int threads) {
@@ -64,7 +74,8 @@ tbb::task_arena arena_of(int threads) {
 /// @return how many photographs were put into the graph
 std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified,
                    const SeenPhotos& seen, PhotoSource& photos, Admission& photo_tokens,
-                   Admission& image_tokens, const std::atomic<bool>& stop) {
+                   Admission& image_tokens, MemoryBudget& memory, const FrontEnd& front_end,
+                   const std::atomic<bool>& stop) {
     if (!admit(image_tokens, graph, stop)) return 0;
     graph.put(CatchUp{});
     for (const AcceptedImagePtr& image : unverified) {
@@ -86,7 +97,9 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
         const auto stamp = stamp_of(photo.path);
         if (seen.contains(photo.name, stamp)) continue;
         if (!admit(photo_tokens, graph, stop) || !admit(image_tokens, graph, stop)) break;
-        graph.put(ArrivedPhoto{sequence++, photo, Clock::now(), stamp});
+        const std::size_t bytes = front_end.extraction_bytes(photo);
+        if (!admit(memory, bytes, graph, stop)) break;
+        graph.put(ArrivedPhoto{sequence++, photo, Clock::now(), stamp, bytes});
     }
     return sequence;
 }
@@ -148,12 +161,14 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     parts.stop = &stop;
     parts.photo_tokens = &photo_tokens;
     parts.image_tokens = &image_tokens;
+    MemoryBudget memory(std::size_t{config.memory_mib} << 20U);
+    parts.memory = &memory;
     NodeTimes times;
     parts.times = &times;
     SessionGraph graph(parts, arena);
 
-    const std::uint64_t photos_put =
-        feed(graph, restored->unverified, seen, photos, photo_tokens, image_tokens, stop);
+    const std::uint64_t photos_put = feed(graph, restored->unverified, seen, photos, photo_tokens,
+                                          image_tokens, memory, **front_end, stop);
     if (!stop.load()) graph.end_of_photos(photos_put);
     if (const auto done = graph.wait(); !done.ok()) return done.error();
 

@@ -29,6 +29,10 @@ class SalvageFrontEnd final : public FrontEnd {
         return extracted;
     }
 
+    std::size_t extraction_bytes(const PhotoFile& photo) const override {
+        return inner_->extraction_bytes(photo);
+    }
+
     Result<std::vector<KnownImage>> candidates(const AcceptedImage& image) override {
         know(image.image);
         return inner_->candidates(image);

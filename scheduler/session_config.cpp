@@ -112,7 +112,8 @@ std::string encode_config(const SessionConfig& config) {
                 {"colmap_database", config.colmap_database},
                 {"order", config.order},
                 {"history", std::string(history_name(config.history))},
-                {"options", config.options}}
+                {"options", config.options},
+                {"memory_mib", config.memory_mib}}
         .dump();
 }
 
@@ -147,6 +148,8 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.options = object.contains("options")
                              ? object.at("options").get<std::map<std::string, double>>()
                              : options_before_they_were_stored();
+        config.memory_mib =
+            whole_number_or<std::uint32_t>(object, "memory_mib", SessionConfig{}.memory_mib);
     } catch (const json::exception&) {
         return Error{ErrorCode::kDamaged, "the session's settings are damaged"};
     }

@@ -47,6 +47,11 @@ struct SessionConfig {
     /// Values of options (option_table.h) that differ from the preset's: as the user set them, and
     /// all of them once a session is begun, since a later program may have other defaults.
     std::map<std::string, double> options;
+    /// What photographs that are being read may take of memory together, beside the caches [MiB].
+    /// Raised: more memory; lowered: fewer photographs are read side by side, down to one. Changes
+    /// no result. Source: ours; photographs of 24 megapixels take a quarter of a GiB each
+    /// (docs/features.md).
+    std::uint32_t memory_mib = 1536;
 };
 
 /// "none", "poses", "full"; nothing for any other text.

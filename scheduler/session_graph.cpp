@@ -164,11 +164,13 @@ void SessionGraph::Nodes::fail(const Error& the_error) {
 CommitInput SessionGraph::Nodes::extract_photo(const ArrivedPhoto& arrived) const {
     ExtractedMessage message{arrived.sequence, arrived.file, arrived.arrival,
                              nullptr,          0.0,          arrived.stamp};
-    if (stopped()) return message;
-    const auto start = Clock::now();
-    message.photo = std::make_shared<const Result<ExtractedPhoto>>(guarded<ExtractedPhoto>(
-        "features", [&] { return parts.front_end->extract(arrived.file); }));
-    message.extract_ms = milliseconds_since(start);
+    if (!stopped()) {
+        const auto start = Clock::now();
+        message.photo = std::make_shared<const Result<ExtractedPhoto>>(guarded<ExtractedPhoto>(
+            "features", [&] { return parts.front_end->extract(arrived.file); }));
+        message.extract_ms = milliseconds_since(start);
+    }
+    parts.memory->release(arrived.bytes);
     return message;
 }
 

@@ -14,6 +14,7 @@
 #include "scheduler/admission.h"
 #include "scheduler/committer.h"
 #include "scheduler/front_end.h"
+#include "scheduler/memory_budget.h"
 #include "scheduler/messages.h"
 #include "scheduler/node_times.h"
 #include "scheduler/run_session.h"
@@ -36,6 +37,7 @@ class SessionGraph {
         const std::atomic<bool>* stop = nullptr;
         Admission* photo_tokens = nullptr;
         Admission* image_tokens = nullptr;
+        MemoryBudget* memory = nullptr;
         NodeTimes* times = nullptr;
         std::size_t committed_images = 0;  ///< whose pairs an earlier process has committed
     };

@@ -16,6 +16,7 @@ TEST(SessionConfig, SurvivesItsEncoding) {
     config.vocabulary_file = "/words";
     config.order = {"b.jpg", "a.jpg"};
     config.history = History::kFull;
+    config.memory_mib = 700;
     config.given_cameras["a.jpg"] = {"key", make_camera(100, 80, 90.25, FocalSource::kGiven)};
     const auto back = decode_config(encode_config(config));
     ASSERT_TRUE(back.ok()) << back.error().message;
@@ -25,8 +26,20 @@ TEST(SessionConfig, SurvivesItsEncoding) {
     EXPECT_EQ(back->seed, config.seed);
     EXPECT_EQ(back->order, config.order);
     EXPECT_EQ(back->history, History::kFull);
+    EXPECT_EQ(back->memory_mib, 700U);
     EXPECT_EQ(back->given_cameras.at("a.jpg").camera, config.given_cameras.at("a.jpg").camera);
     EXPECT_EQ(back->given_cameras.at("a.jpg").key, "key");
+}
+
+TEST(SessionConfig, OfEarlierProgramsHasTheMemoryThatIsUsual) {
+    std::string text = encode_config(SessionConfig{});
+    const std::string field = "\"memory_mib\":1536,";
+    const std::size_t at = text.find(field);
+    ASSERT_NE(at, std::string::npos) << text;
+    text.erase(at, field.size());
+    const auto back = decode_config(text);
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(back->memory_mib, 1536U);
 }
 
 TEST(SessionConfig, RefusesDamageAndNewerPrograms) {

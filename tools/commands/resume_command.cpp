@@ -21,6 +21,8 @@ struct ResumeArguments {
     std::string log;
     int threads = 0;
     std::size_t cache_mib = StoreOptions{}.cache_bytes >> 20U;
+    std::uint32_t memory_mib = SessionConfig{}.memory_mib;
+    bool is_memory_given = false;
 };
 
 /// What is there of the photographs that the session began with. Those that it has need not be:
@@ -58,6 +60,10 @@ int resume(const ResumeArguments& arguments) {
     request.session = arguments.session;
     request.input = settings->photo_folder;
     request.config = *std::move(config);
+    if (arguments.is_memory_given && request.config.memory_mib != arguments.memory_mib) {
+        request.config.memory_mib = arguments.memory_mib;
+        request.settings = SessionSettings{settings->photo_folder, encode_config(request.config)};
+    }
     request.go_on_command = command_line("resume", request.session);
     auto photos = photos_left(**store, request);
     if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
@@ -78,12 +84,16 @@ void add_resume_command(CLI::App& app, int& exit_code) {
     command->add_option("--threads", arguments->threads, "Threads to use; 0: one a core")
         ->check(CLI::Range(0, 1024));
     add_cache_option(*command, arguments->cache_mib);
+    add_memory_option(*command, arguments->memory_mib);
     command->add_option("--log", arguments->log, "Append a log of JSON lines to this file");
     command->footer(
         "The session remembers its photograph folder, order and options. What was acknowledged is "
         "not\n"
         "computed again; what was in flight is.\nExample: psfm resume --session castle");
-    command->callback([arguments, &exit_code] { exit_code = resume(*arguments); });
+    command->callback([command, arguments, &exit_code] {
+        arguments->is_memory_given = command->get_option("--memory")->count() > 0;
+        exit_code = resume(*arguments);
+    });
 }
 
 }  // namespace psfm

@@ -49,6 +49,7 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
     }
     asked.options = begun.options;
     if (!is_given(command, "--history")) asked.history = begun.history;
+    if (!is_given(command, "--memory")) asked.memory_mib = begun.memory_mib;
     if (begun.colmap_database != asked.colmap_database) {
         return Error{ErrorCode::kInvalidArgument,
                      begun.colmap_database.empty()
@@ -88,6 +89,15 @@ void add_cache_option(CLI::App& command, std::size_t& mib) {
         ->capture_default_str();
 }
 
+void add_memory_option(CLI::App& command, std::uint32_t& mib) {
+    command
+        .add_option("--memory", mib,
+                    "Memory beside the cache for photographs that are being read [MiB]: as many "
+                    "at once as it lasts for; the session keeps it")
+        ->check(CLI::Range(64, 1 << 22))
+        ->capture_default_str();
+}
+
 void add_session_options(CLI::App& command, SessionArguments& arguments) {
     command
         .add_option("--session", arguments.session,
@@ -106,6 +116,7 @@ void add_session_options(CLI::App& command, SessionArguments& arguments) {
     command.add_option("--threads", arguments.threads, "Threads to use; 0: one a core")
         ->check(CLI::Range(0, 1024));
     add_cache_option(command, arguments.cache_mib);
+    add_memory_option(command, arguments.memory_mib);
     command.add_flag("--fix-intrinsics", arguments.fix_intrinsics, "Never refine intrinsics");
     command
         .add_option("--preset", arguments.preset,
@@ -140,6 +151,7 @@ Result<SessionConfig> config_from(const SessionArguments& arguments,
         config.options.insert_or_assign(setting->first, setting->second);
     }
     if (const auto valid = stage_options(config); !valid.ok()) return valid.error();
+    config.memory_mib = arguments.memory_mib;
     if (!arguments.order_file.empty()) {
         auto order = read_order_file(arguments.order_file);
         if (!order.ok()) return order.error();

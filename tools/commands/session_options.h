@@ -32,12 +32,15 @@ struct SessionArguments {
     bool fix_intrinsics = false;
     int threads = 0;
     std::size_t cache_mib = StoreOptions{}.cache_bytes >> 20U;
+    std::uint32_t memory_mib = SessionConfig{}.memory_mib;
     std::uint64_t seed = 0;
     std::vector<std::string> settings;  ///< NAME=VALUE
 };
 
 /// --cache, of what opens a session for writing. @param mib  outlives the parsing
 void add_cache_option(CLI::App& command, std::size_t& mib);
+/// --memory, of what reads photographs. @param mib  outlives the parsing
+void add_memory_option(CLI::App& command, std::uint32_t& mib);
 /// @param arguments  filled when the command line is parsed; outlives that
 void add_session_options(CLI::App& command, SessionArguments& arguments);
 
