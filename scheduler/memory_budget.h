@@ -19,7 +19,9 @@ class MemoryBudget {
     /// @return false when not enough came free in time; else release() as many
     bool acquire_for(std::size_t bytes, std::chrono::milliseconds timeout) {
         std::unique_lock lock(mutex_);
-        const auto fits = [&] { return taken_ == 0 || (taken_ <= bytes_ && bytes <= bytes_ - taken_); };
+        const auto fits = [&] {
+            return taken_ == 0 || (taken_ <= bytes_ && bytes <= bytes_ - taken_);
+        };
         if (!available_.wait_for(lock, timeout, fits)) return false;
         taken_ += bytes;
         return true;

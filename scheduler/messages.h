@@ -149,7 +149,7 @@ struct SessionEvent {
         kAdopt,
         kPlaces,
         kCameras,  ///< which photographs are of one camera, or what is strange about one
-        kSettle,  ///< models begin to settle
+        kSettle,   ///< models begin to settle
         kSolve
     };
     Kind kind{};

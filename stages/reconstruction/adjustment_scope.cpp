@@ -31,8 +31,8 @@ std::vector<CameraId> cameras_of_only(const WorkingModel& model,
         const CameraId camera = model.camera_id(other);
         cameras.insert(camera);
         auto [entry, added] = lens_is_free.try_emplace(model.lens_of(camera), true);
-        entry->second = entry->second && std::ranges::binary_search(images, other) &&
-                        !model.is_held(camera);
+        entry->second =
+            entry->second && std::ranges::binary_search(images, other) && !model.is_held(camera);
     }
     std::vector<CameraId> free;
     for (const CameraId camera : cameras) {

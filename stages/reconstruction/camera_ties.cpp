@@ -90,8 +90,8 @@ void tie_kind(const ClusterProblem& problem, std::vector<CameraId> cameras, Came
             for (const CameraId member : known.members) std::erase(cameras, member);
         }
         std::erase_if(of_model, [](const auto& t) { return t.second.members.size() < 2; });
-        const auto largest = std::ranges::max_element(
-            of_model, {}, [](const auto& t) { return t.second.images; });
+        const auto largest =
+            std::ranges::max_element(of_model, {}, [](const auto& t) { return t.second.images; });
         for (auto t = of_model.begin(); t != of_model.end(); ++t) {
             if (t == largest) {
                 main.insert(main.end(), t->second.members.begin(), t->second.members.end());

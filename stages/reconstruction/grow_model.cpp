@@ -36,8 +36,8 @@ bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
     if (camera.focal_source != FocalSource::kUnknown || model.is_held(model.camera_id(image)))
         return true;
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
-        if (model.registered(other) && model.lens_of(model.camera_id(other)) ==
-                                           model.lens_of(model.camera_id(image)))
+        if (model.registered(other) &&
+            model.lens_of(model.camera_id(other)) == model.lens_of(model.camera_id(image)))
             return true;
     }
     return false;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -84,9 +85,8 @@ Adjusted adjusted(const std::shared_ptr<const Reconstruction>& model, const Clus
     working.load(*with_ties(model, problem, ties));
     AdjustmentScope scope = full_scope(working, true);
     scope.points = covering_points(working, {}, options.points_per_image);
-    const AdjustmentOptions adjustment{.loss_scale_px = 1.0,
-                                       .max_iterations = options.max_iterations,
-                                       .function_tolerance = 1e-4};
+    const AdjustmentOptions adjustment{
+        .loss_scale_px = 1.0, .max_iterations = options.max_iterations, .function_tolerance = 1e-4};
     if (!adjust(working, scope, adjustment).ok()) return {};
     std::vector<std::uint32_t> others;
     for (std::uint32_t point = 0; point < working.points().size(); ++point) {
@@ -130,21 +130,44 @@ std::map<std::uint32_t, std::vector<ReleasedCamera>> compare(const Adjusted& tog
     return kinds;
 }
 
-/// Those that leave get labels of their own, the same where their focal lengths follow each other
-/// closely. @return the label that most of them have
-std::size_t tie_by_focal(std::vector<const ReleasedCamera*> cameras, double max_step,
-                         std::map<CameraId, std::size_t>& labels, std::size_t& next) {
-    std::ranges::sort(cameras, {}, [](const ReleasedCamera* c) {
-        return std::pair(c->own_focal_px, c->camera);
-    });
-    std::map<std::size_t, std::size_t> counts;
-    for (std::size_t i = 0; i < cameras.size(); ++i) {
-        const bool follows = i > 0 && std::log(cameras[i]->own_focal_px /
-                                               cameras[i - 1]->own_focal_px) < max_step;
-        if (!follows) ++next;
-        labels[cameras[i]->camera] = next;
-        ++counts[next];
+/// Where some of a kind deviate, all are sorted by focal length, and parted where these leave a
+/// gap. Parts in which none deviates are one: what wanders and gains nothing stays together. Where
+/// there is no gap, each stays by itself.
+void part_by_focal(const std::vector<ReleasedCamera>& kind, double max_step,
+                   std::map<CameraId, std::size_t>& labels, std::size_t& next) {
+    std::vector<const ReleasedCamera*> sorted;
+    for (const ReleasedCamera& camera : kind) sorted.push_back(&camera);
+    std::ranges::sort(
+        sorted, {}, [](const ReleasedCamera* c) { return std::pair(c->own_focal_px, c->camera); });
+    const auto follows = [&](const ReleasedCamera* before, const ReleasedCamera* camera) {
+        return std::log(camera->own_focal_px / before->own_focal_px) < max_step;
+    };
+    for (auto first = sorted.begin(); first != sorted.end();) {
+        auto last = std::next(first);
+        while (last != sorted.end() && follows(*std::prev(last), *last)) ++last;
+        const bool is_all = first == sorted.begin() && last == sorted.end();
+        if (std::any_of(first, last, [](const ReleasedCamera* c) { return c->deviates; })) {
+            ++next;
+            for (auto camera = first; camera != last; ++camera)
+                labels[(*camera)->camera] = is_all ? ++next : next;
+        }
+        first = last;
     }
+}
+
+/// Whether all of a kind are tied to one another.
+bool tied_in(const CameraTies& ties, const std::vector<ReleasedCamera>& kind) {
+    const auto labels = labels_of(ties);
+    return std::ranges::all_of(kind, [&](const ReleasedCamera& camera) {
+        return labels.at(camera.camera) == labels.at(kind.front().camera);
+    });
+}
+
+/// The label that most of some cameras have; ties: the smallest.
+std::size_t most_common(const std::vector<ReleasedCamera>& kind,
+                        const std::map<CameraId, std::size_t>& labels) {
+    std::map<std::size_t, std::size_t> counts;
+    for (const ReleasedCamera& camera : kind) ++counts[labels.at(camera.camera)];
     return std::ranges::max_element(counts, {}, [](const auto& c) { return c.second; })->first;
 }
 
@@ -158,8 +181,8 @@ TieVerdict judge_ties(const std::shared_ptr<const Reconstruction>& model,
     const Adjusted together = adjusted(model, problem, all, options.ties);
     if (!together.model) return verdict;
     // What was tied differently is nearer to what each is by itself than what was bent together.
-    const Adjusted apart = adjusted(ties == all ? together.model : model, problem, untied(problem),
-                                    options.ties);
+    const Adjusted apart =
+        adjusted(ties == all ? together.model : model, problem, untied(problem), options.ties);
     if (!apart.model) return verdict;
     const auto kinds = compare(together, apart, problem, options.ties);
 
@@ -168,16 +191,17 @@ TieVerdict judge_ties(const std::shared_ptr<const Reconstruction>& model,
     bool any_leaves = false;
     for (const auto& [kind, cameras] : kinds) {
         verdict.released.insert(verdict.released.end(), cameras.begin(), cameras.end());
-        std::vector<const ReleasedCamera*> leaving;
-        for (const ReleasedCamera& camera : cameras) {
-            if (camera.deviates) leaving.push_back(&camera);
-        }
-        if (leaving.empty()) continue;
+        if (std::ranges::none_of(cameras, &ReleasedCamera::deviates)) continue;
         any_leaves = true;
-        const bool none_stays = leaving.size() == cameras.size();
-        const std::size_t most = tie_by_focal(leaving, options.ties.max_step, labels, next);
-        if (!none_stays) continue;
+        // A model that was bent for one camera tells no focal lengths: what they are is asked of
+        // one that was solved without.
+        if (tied_in(ties, cameras)) {
+            for (const ReleasedCamera& camera : cameras) labels[camera.camera] = ++next;
+            continue;
+        }
+        part_by_focal(cameras, options.ties.max_step, labels, next);
         // What is not placed yet goes with most of them.
+        const std::size_t most = most_common(cameras, labels);
         for (const auto& [id, of_kind] : problem.alike) {
             const bool is_placed = std::ranges::any_of(
                 cameras, [&](const ReleasedCamera& camera) { return camera.camera == id; });

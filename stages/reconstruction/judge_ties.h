@@ -30,9 +30,9 @@ struct TieVerdict {
 /// Asks a finished model which of the cameras of a kind are one. It is adjusted with all of them
 /// tied, then with each by itself. Where a scene hardly tells focal lengths (a plane from above, a
 /// narrow view) these wander and gain nothing: so a camera only leaves the others when its
-/// observations are explained clearly better, and its focal length is another one. Those that leave
-/// are tied among themselves where their focal lengths agree. Ties that the model comes with do not
-/// count: what was decided with fewer images is decided anew.
+/// observations are explained clearly better, and its focal length is another one. Then all of its
+/// kind are tied anew to those whose focal lengths are near theirs. Ties that the model comes with
+/// do not count: what was decided with fewer images is decided anew.
 /// @param problem  as accepted, not tied
 /// @param ties  those of the model: what becomes of them when nothing can be found out
 /// Deterministic.

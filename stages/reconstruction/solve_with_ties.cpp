@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/solve_with_ties.h"
 
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <utility>
 
@@ -19,8 +17,7 @@ bool shows_places(const SolveAttempt& attempt) {
     return attempt.places && !attempt.places->empty();
 }
 
-bool is_due(const SolveAttempt& attempt, const ClusterProblem& problem,
-            const TieOptions& options) {
+bool is_due(const SolveAttempt& attempt, const ClusterProblem& problem, const TieOptions& options) {
     const std::size_t placed = attempt.model.images.size();
     if (placed < kImagesToJudge || shows_places(attempt)) return false;
     const double asked = attempt.state.images_at_ties;
@@ -46,18 +43,12 @@ Result<SolveAttempt> solve_on(const ClusterProblem& problem, const TieVerdict& v
 Result<SolveAttempt> settle_ties(SolveAttempt attempt, CameraTies ties,
                                  const ClusterProblem& problem, const SolveOptions& options,
                                  const AttemptSolve& attempt_solve) {
-    // The second time the model is one with the new ties, and has images that it had not.
-    constexpr int kRounds = 2;
+    // Of one camera? If not, with a camera each; which of these are one; and whether that holds.
+    constexpr int kRounds = 3;
     for (int round = 0; round < kRounds; ++round) {
         const auto model = std::make_shared<const Reconstruction>(attempt.model);
         const TieVerdict verdict = judge_ties(model, problem, ties, options);
         attempt.state.images_at_ties = static_cast<std::uint32_t>(model->images.size());
-        if (std::getenv("PSFM_TIES")) {
-            std::fprintf(stderr, "ties: cluster %u, %zu images, round %d, changed %d\n", index_of(problem.cluster), model->images.size(), round, verdict.ties != ties);
-            for (const auto& r : verdict.released)
-                std::fprintf(stderr, "  cam %u f %.1f -> %.1f (%.1f %%) cost %.3f -> %.3f (%.2f) n %zu %s -> %u\n", index_of(r.camera), r.tied_focal_px, r.own_focal_px,
-                    100 * (r.own_focal_px / r.tied_focal_px - 1), r.tied_cost, r.own_cost, r.tied_cost / r.own_cost, r.observations, r.deviates ? "DEVIATES" : "", index_of(verdict.ties.standing.at(r.camera)));
-        }
         if (verdict.ties == ties) break;
         ties = verdict.ties;
         auto solved = solve_on(problem, verdict, attempt, attempt_solve);

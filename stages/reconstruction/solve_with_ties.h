@@ -13,9 +13,9 @@ namespace psfm {
 using AttemptSolve = std::function<Result<SolveAttempt>(const ClusterProblem&)>;
 
 /// Solves a cluster some of whose cameras may be one (ClusterProblem::alike): tied as the recycled
-/// models have them, or all of a kind. A new model, one that has grown much, and one that settles is
-/// asked whether the ties hold (judge_ties); where they do not, it is solved on from there without
-/// them.
+/// models have them, or all of a kind. A new model, one that has grown much, and one that settles
+/// is asked whether the ties hold (judge_ties); where they do not, it is solved on from there
+/// without them.
 /// @errors those of `attempt_solve`
 /// Deterministic where that is.
 Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveOptions& options,

@@ -18,10 +18,11 @@ struct TieOptions {
     /// And its focal length has to differ by this part at least. Raised: as above; lowered: focus,
     /// which moves focal lengths by a per cent or two, parts cameras. Ours.
     double min_deviation = 0.03;
-    /// Cameras whose focal lengths differ by less have one in common, when it explains them as well
-    /// as one each does. Raised: zooms that are near each other are mixed; lowered: each photograph
-    /// has its own. Ours.
-    double max_step = 0.03;
+    /// Where some leave, all of their kind are parted where their focal lengths, one by one, leave
+    /// a gap of this part. Raised: zooms that are near each other are mixed; lowered: photographs
+    /// of one camera are parted, since each by itself tells its focal length to some per cent.
+    /// Ours.
+    double max_step = 0.05;
     /// Fewer observations say nothing of an image's camera. Ours.
     std::uint32_t min_observations = 30;
     /// Points that are looked at, about so many seen by each image. Raised: slower; lowered: focal

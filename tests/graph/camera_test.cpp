@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/camera.h"
-#include "graph/camera_lens.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +8,8 @@
 #include <ostream>
 #include <string>
 #include <vector>
+
+#include "graph/camera_lens.h"
 
 namespace psfm {
 namespace {

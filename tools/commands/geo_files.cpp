@@ -89,7 +89,8 @@ std::string georeference_json(const WorldReference& reference, std::span<const G
         item["images"] = Json::array();
         for (const ExportedImage& image : part.model->images) {
             const Image* photo = find_session_image(images, image.id);
-            if (photo != nullptr) item["images"].push_back(image_json(image, *photo, reference.datum));
+            if (photo != nullptr)
+                item["images"].push_back(image_json(image, *photo, reference.datum));
         }
         json["parts"].push_back(std::move(item));
     }

@@ -59,8 +59,7 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
         if (!pairs) return pairs.error();
         select_edges(selection_, graph_, image, *pairs, options_);
         for (const VerifiedPairPtr& pair : *pairs) {
-            pairs_.push_back({pair->pair,
-                              static_cast<std::uint32_t>(pair->geometry.inliers.size()),
+            pairs_.push_back({pair->pair, static_cast<std::uint32_t>(pair->geometry.inliers.size()),
                               pair->geometry.cam2_from_cam1.rotation});
         }
     }
@@ -81,9 +80,9 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
         const auto second = placed.find(pair.pair.second);
         if (first != placed.end() && second != placed.end() &&
             first->second.part == second->second.part) {
-            const double angle = angle_between(
-                pair.cam2_from_cam1,
-                second->second.cam_from_world * first->second.cam_from_world.conjugate());
+            const double angle =
+                angle_between(pair.cam2_from_cam1, second->second.cam_from_world *
+                                                       first->second.cam_from_world.conjugate());
             edge.angle_deg = static_cast<float>(angle * kDegrees);
             edge.state = angle > kContradiction ? EdgeState::kContradicts : EdgeState::kHolds;
         }

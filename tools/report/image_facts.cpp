@@ -67,8 +67,8 @@ Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(const Scene
     // Points of a cluster that rests are in the store only; what is known of it holds.
     const bool rests = cluster.model->points.empty() && !entries.empty();
     if (model != cluster.model && !rests) {
-        const auto residuals = residuals_of(
-            *cluster.model, [&](ImageId image) { return session.keypoints(image); });
+        const auto residuals =
+            residuals_of(*cluster.model, [&](ImageId image) { return session.keypoints(image); });
         if (!residuals) return residuals.error();
         entries.clear();
         for (std::size_t i = 0; i < residuals->size(); ++i) {
@@ -86,7 +86,8 @@ void SinceBook::add(const PastVersion& version) {
     if (!summary) return;  // `psfm check` tells of it
     const std::map<ImageId, WaitReason> now(summary->waiting.begin(), summary->waiting.end());
     std::size_t known = since_.size();
-    for (const auto& [image, reason] : now) known = std::max(known, std::size_t{index_of(image)} + 1);
+    for (const auto& [image, reason] : now)
+        known = std::max(known, std::size_t{index_of(image)} + 1);
     known = std::max<std::size_t>(known, version.image_count);
     since_.resize(known);
     const Since here{version.version, version.image_count};
@@ -167,7 +168,8 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
         facts.facts.push_back(
             waiting_fact(image, reason == reasons.end() ? WaitReason::kSolving : reason->second));
     }
-    if (const auto placed = add_placed(session, memory.inliers, facts); !placed) return placed.error();
+    if (const auto placed = add_placed(session, memory.inliers, facts); !placed)
+        return placed.error();
     const std::vector<Since> since = memory.since.of(facts.images.size());
     for (std::size_t i = 0; i < since.size(); ++i) facts.facts[i].since = since[i];
     for (const RejectedPhoto& photo : facts.rejected) {

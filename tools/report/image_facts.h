@@ -36,9 +36,9 @@ struct ImageFact {
     std::string advice;  ///< what to do about it; empty when nothing
     Since since;
     std::optional<ClusterId> cluster;
-    std::optional<std::uint32_t> part;    ///< effective cluster; only of placed images
-    std::uint32_t inliers = 0;            ///< its observations in the model
-    double error_px = 0.0;                ///< their mean reprojection error
+    std::optional<std::uint32_t> part;  ///< effective cluster; only of placed images
+    std::uint32_t inliers = 0;          ///< its observations in the model
+    double error_px = 0.0;              ///< their mean reprojection error
 };
 
 /// A session as it is told of: one published version, and what has arrived since.

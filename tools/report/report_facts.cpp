@@ -88,7 +88,8 @@ void add_residual(const Residual& residual, const Camera& camera, CameraFacts& f
     };
     const int column = cell_of(residual.observed_px.x(), camera.width, CameraFacts::kColumns);
     const int row = cell_of(residual.observed_px.y(), camera.height, CameraFacts::kRows);
-    ResidualCell& cell = facts.cells.at(static_cast<std::size_t>(row * CameraFacts::kColumns + column));
+    ResidualCell& cell =
+        facts.cells.at(static_cast<std::size_t>(row * CameraFacts::kColumns + column));
     ++cell.count;
     cell.mean_px += residual.difference_px;
     cell.mean_length_px += residual.difference_px.norm();
@@ -182,8 +183,7 @@ void add_position_errors(ReportFacts& facts) {
         for (const RegisteredImage& image : cluster->model->images) {
             const auto& gps = facts.session.images[index_of(image.image)].metadata.gps;
             if (!gps || !is_plausible(*gps)) continue;
-            const Eigen::Vector3d off =
-                centre_of(*cluster, image) - enu_from_wgs84(datum, *gps);
+            const Eigen::Vector3d off = centre_of(*cluster, image) - enu_from_wgs84(datum, *gps);
             for (int axis = 0; axis < 3; ++axis) {
                 if (axis < 2 || gps->altitude_m) errors.at(axis).push_back(off[axis]);
             }
@@ -218,8 +218,8 @@ Spread spread_of(std::vector<double> values) {
     const auto [least, largest] = std::ranges::minmax(values);
     spread.least = least;
     spread.largest = largest;
-    spread.mean = std::accumulate(values.begin(), values.end(), 0.0) /
-                  static_cast<double>(values.size());
+    spread.mean =
+        std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     spread.median = quantile(std::move(values), 0.5);
     return spread;
 }

@@ -67,7 +67,7 @@ struct ReportFacts {
     std::size_t points = 0, observations = 0;
     double mean_track = 0.0;
     double mean_error_px = 0.0, rms_error_px = 0.0;
-    std::vector<std::size_t> error_histogram;            ///< kErrorStepPx wide, the rest in the last
+    std::vector<std::size_t> error_histogram;  ///< kErrorStepPx wide, the rest in the last
     std::map<std::uint32_t, std::size_t> track_lengths;  ///< images of a point: points
     Spread features, inliers;                            ///< an image; inliers of placed ones
     std::optional<WorldReference> reference;

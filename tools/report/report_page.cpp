@@ -32,8 +32,8 @@ std::string overview(const ReportFacts& facts) {
     const auto row = [&](const std::string& name, const std::string& value) {
         table.row({name, value});
     };
-    row("photographs placed", std::to_string(counts.placed) + " of " +
-                                  std::to_string(counts.images) + " accepted");
+    row("photographs placed",
+        std::to_string(counts.placed) + " of " + std::to_string(counts.images) + " accepted");
     row("waiting, rejected",
         std::to_string(counts.waiting) + ", " + std::to_string(counts.rejected));
     row("parts that stand alone", std::to_string(facts.parts.size()));
@@ -69,8 +69,8 @@ std::string not_placed(const ReportFacts& facts) {
         // A rejection's reason begins with the photograph's name.
         std::string reason = fact.words;
         if (fact.state == ImageState::kRejected) {
-            reason = reason.starts_with(fact.name + ": ") ? reason.substr(fact.name.size() + 2)
-                                                           : reason;
+            reason =
+                reason.starts_with(fact.name + ": ") ? reason.substr(fact.name.size() + 2) : reason;
             reason = "rejected: " + reason;
         }
         Group& group = groups[reason];
@@ -96,7 +96,8 @@ std::string parts(const ReportFacts& facts) {
     std::string html = section(
         "Coverage from above",
         "Points looked at along the mean up direction of the photographs: darker where there are "
-        "more. Dots are cameras. Where the ground is empty between cameras, photographs are missing "
+        "more. Dots are cameras. Where the ground is empty between cameras, photographs are "
+        "missing "
         "or nothing could be matched.");
     for (std::size_t i = 0; i < std::min(facts.parts.size(), kMostParts); ++i) {
         const PartFacts& part = facts.parts[i];
@@ -107,8 +108,8 @@ std::string parts(const ReportFacts& facts) {
                 coverage_plot(part, facts);
     }
     if (facts.parts.size() > kMostParts) {
-        html += "<p>… and " + std::to_string(facts.parts.size() - kMostParts) +
-                " smaller parts.</p>\n";
+        html +=
+            "<p>… and " + std::to_string(facts.parts.size() - kMostParts) + " smaller parts.</p>\n";
     }
     return html;
 }
@@ -152,11 +153,13 @@ std::string positions(const ReportFacts& facts, const ReportOptions& options) {
                                "How far the photographs' own positions are from their cameras in "
                                "the model, along each axis. Phones are off by metres.");
     if (facts.position_errors.empty())
-        return html + "<p>The model does not stand on the earth: too few photographs have a "
-                      "position, or they disagree.</p>\n";
+        return html +
+               "<p>The model does not stand on the earth: too few photographs have a "
+               "position, or they disagree.</p>\n";
     HtmlTable table({"axis", "mean [m]", "sigma [m]", "root of mean square [m]"});
     for (const AxisError& error : facts.position_errors)
-        table.row({error.axis, number(error.mean, 2), number(error.sigma, 2), number(error.rms, 2)});
+        table.row(
+            {error.axis, number(error.mean, 2), number(error.sigma, 2), number(error.rms, 2)});
     html += table.finish() + "<p>" + std::to_string(facts.positions) +
             " positions; nine of ten are within " + number(facts.circular_90_m, 2) +
             " m on the ground.</p>\n";
@@ -286,10 +289,11 @@ std::string report_page(const ReportFacts& facts, const ReportOptions& options) 
            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
            "'unsafe-inline'\">\n"
            "<meta name=\"viewport\" content=\"width=device-width\"><title>" +
-           escaped(title) + "</title>\n<style>" + kReportStyle + "</style></head><body><main>\n<h1>" +
-           escaped(title) + "</h1>\n" + overview(facts) + not_placed(facts) + parts(facts) +
-           errors(facts) + cameras(facts) + graph(facts) + positions(facts, options) +
-           history(facts) + times(options) + images(facts) + "</main></body></html>\n";
+           escaped(title) + "</title>\n<style>" + kReportStyle +
+           "</style></head><body><main>\n<h1>" + escaped(title) + "</h1>\n" + overview(facts) +
+           not_placed(facts) + parts(facts) + errors(facts) + cameras(facts) + graph(facts) +
+           positions(facts, options) + history(facts) + times(options) + images(facts) +
+           "</main></body></html>\n";
 }
 
 }  // namespace psfm

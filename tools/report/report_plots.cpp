@@ -17,8 +17,7 @@ constexpr double kMostHigh = 480.0;
 constexpr int kLevels = 5;  // of grey, as classes l0 … l4
 
 std::string level_class(double share) {
-    return "l" + std::to_string(
-                     std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1));
+    return "l" + std::to_string(std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1));
 }
 
 /// From the ground to the plot; y goes up there and down here.
@@ -59,15 +58,16 @@ void scale_bar(Svg& svg, const GroundFrame& frame, bool in_metres) {
 }
 
 std::string square(double x, double y, double side) {
-    return 'M' + short_number(x, 1) + ' ' + short_number(y, 1) + 'h' + short_number(side, 1) +
-           'v' + short_number(side, 1) + 'h' + short_number(-side, 1) + 'z';
+    return 'M' + short_number(x, 1) + ' ' + short_number(y, 1) + 'h' + short_number(side, 1) + 'v' +
+           short_number(side, 1) + 'h' + short_number(-side, 1) + 'z';
 }
 
 }  // namespace
 
 std::string coverage_plot(const PartFacts& part, const ReportFacts& facts) {
     const GroundFrame frame = GroundFrame::of(part);
-    Svg svg(kWide, frame.height + 10, "Points from above, darker where there are more, and cameras");
+    Svg svg(kWide, frame.height + 10,
+            "Points from above, darker where there are more, and cameras");
     constexpr double kCell = 6.0;
     std::map<std::pair<int, int>, std::size_t> cells;
     for (const Eigen::Vector2d& point : part.points_above) {
@@ -78,7 +78,8 @@ std::string coverage_plot(const PartFacts& part, const ReportFacts& facts) {
     for (const auto& [cell, count] : cells) most = std::max(most, count);
     std::array<std::string, kLevels> levels;
     for (const auto& [cell, count] : cells) {
-        const double share = std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most) + 1);
+        const double share =
+            std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most) + 1);
         const auto level = static_cast<std::size_t>(share * kLevels);
         levels.at(std::min<std::size_t>(level, kLevels - 1)) +=
             square(cell.first * kCell, cell.second * kCell, kCell);
@@ -120,7 +121,8 @@ std::string view_graph_plot(const PartFacts& part, const ReportFacts& facts, std
         const std::string stroke = 'M' + short_number(a.x(), 1) + ' ' + short_number(a.y(), 1) +
                                    'L' + short_number(b.x(), 1) + ' ' + short_number(b.y(), 1);
         const auto level = static_cast<std::size_t>(std::log1p(edge->matches) / largest * kLevels);
-        (is_against(edge) ? against : holds.at(std::min<std::size_t>(level, kLevels - 1))) += stroke;
+        (is_against(edge) ? against : holds.at(std::min<std::size_t>(level, kLevels - 1))) +=
+            stroke;
     }
     for (int level = 0; level < kLevels; ++level)
         svg.path(holds.at(static_cast<std::size_t>(level)), "edge l" + std::to_string(level));
@@ -208,8 +210,9 @@ std::string error_histogram_plot(const ReportFacts& facts) {
     std::vector<std::string> labels;
     for (std::size_t i = 0; i < facts.error_histogram.size(); ++i) {
         values.push_back(static_cast<double>(facts.error_histogram[i]));
-        labels.push_back(i % 5 == 0 ? short_number(static_cast<double>(i) * ReportFacts::kErrorStepPx, 1)
-                                    : std::string());
+        labels.push_back(i % 5 == 0
+                             ? short_number(static_cast<double>(i) * ReportFacts::kErrorStepPx, 1)
+                             : std::string());
     }
     return bar_chart("Reprojection errors of all observations", values, labels,
                      "reprojection error [px]; the last bar holds all larger ones");

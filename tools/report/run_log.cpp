@@ -25,10 +25,9 @@ void add_nodes(const json& line, RunTimes& times) {
     times.nodes.clear();
     for (const json& node : line.value("nodes", json::array())) {
         if (!node.is_object()) continue;
-        times.nodes.push_back({node.value("node", std::string()),
-                               static_cast<std::uint64_t>(number(node, "runs")),
-                               number(node, "busy_s"), number(node, "waiting_s"),
-                               number(node, "work_s")});
+        times.nodes.push_back(
+            {node.value("node", std::string()), static_cast<std::uint64_t>(number(node, "runs")),
+             number(node, "busy_s"), number(node, "waiting_s"), number(node, "work_s")});
     }
 }
 

@@ -13,11 +13,11 @@ namespace psfm {
 /// the store, not part of it. Nothing is lost with it.
 struct RunState {
     std::int64_t pid = 0;
-    double seconds = 0.0;           ///< since it began
-    std::uint64_t done = 0;         ///< photographs of this run that a version takes account of
-    std::uint64_t expected = 0;     ///< of this run; 0: not known (a watched folder, uploads)
+    double seconds = 0.0;        ///< since it began
+    std::uint64_t done = 0;      ///< photographs of this run that a version takes account of
+    std::uint64_t expected = 0;  ///< of this run; 0: not known (a watched folder, uploads)
     double images_per_second = 0.0;
-    bool settling = false;          ///< no photograph follows; models are adjusted to the end
+    bool settling = false;               ///< no photograph follows; models are adjusted to the end
     std::optional<double> seconds_left;  ///< settling included; nothing: not known
 };
 

@@ -16,8 +16,9 @@ struct ReplayOptions {
     double tolerance = 0.003;
 };
 
-/// The poses of a session's versions, each as what has changed since the one before (docs/viewer.md,
-/// "Replay"); empty when no version is kept. No points: each carries when it was born.
+/// The poses of a session's versions, each as what has changed since the one before
+/// (docs/viewer.md, "Replay"); empty when no version is kept. No points: each carries when it was
+/// born.
 /// @errors those of the store
 Result<std::string> replay_bytes(const SessionReader& session, const ReplayOptions& options = {});
 

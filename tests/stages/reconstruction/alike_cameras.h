@@ -82,8 +82,7 @@ inline ClusterProblem problem_without_exif(const synthetic::SyntheticScene& scen
     ClusterProblem problem;
     for (const auto& [id, camera] : scene.cameras) {
         const auto longer = std::max(camera.width, camera.height);
-        unknown[id] =
-            make_camera(camera.width, camera.height, 1.2 * longer, FocalSource::kUnknown);
+        unknown[id] = make_camera(camera.width, camera.height, 1.2 * longer, FocalSource::kUnknown);
     }
     problem = problem_of(scene, synthetic::make_verified_pairs(scene, {.calibrated = false}),
                          unknown, image_count);

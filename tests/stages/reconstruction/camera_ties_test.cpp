@@ -91,7 +91,10 @@ TEST(CameraTies, TurnedPhotographsShareALensAndNoPrincipalPoint) {
     EXPECT_EQ(ties_of(labels_of(ties), problem), ties);
 
     problem.recycled = {model_of({{0, 0}, {1, 0}, {4, 4}}, problem)};  // of two lenses
-    EXPECT_TRUE(recycled_ties(problem).twins.empty());
+    // 4 stays by itself, and what is new, 5 among it, goes with 0 and 1.
+    EXPECT_EQ(standing(recycled_ties(problem)), (Ids{0, 0, 0, 0, 4, 5}));
+    EXPECT_EQ(recycled_ties(problem).twins.at(camera(5)), camera(0));
+    EXPECT_FALSE(recycled_ties(problem).twins.contains(camera(4)));
     const auto shared = with_ties(problem.recycled.front(), problem, ties);
     EXPECT_EQ(shared->cameras.at(camera(0)).fx(), shared->cameras.at(camera(4)).fx());
     EXPECT_EQ(shared->cameras.at(camera(4)).principal_point(), Eigen::Vector2d(150, 200));

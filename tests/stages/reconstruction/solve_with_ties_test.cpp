@@ -16,8 +16,7 @@ namespace {
 using synthetic::SyntheticScene;
 
 SyntheticScene ring(std::uint32_t images, std::uint64_t seed) {
-    return with_own_cameras(
-        synthetic::make_scene(synthetic::ring_around_sphere(images), seed));
+    return with_own_cameras(synthetic::make_scene(synthetic::ring_around_sphere(images), seed));
 }
 
 SyntheticScene with_noise(SyntheticScene scene, std::uint64_t seed) {
@@ -58,8 +57,7 @@ TEST(SolveWithTies, AFlightOverFlatLandIsOfOneCamera) {
     synthetic::SceneOptions options = synthetic::grid_over_ground(15);
     options.points.relief = 0.05;
     options.cameras.turn_sigma_deg = 4.0;
-    const SyntheticScene scene =
-        with_noise(with_own_cameras(synthetic::make_scene(options, 2)), 2);
+    const SyntheticScene scene = with_noise(with_own_cameras(synthetic::make_scene(options, 2)), 2);
     const ClusterSolution solution = solved(problem_without_exif(scene));
     ASSERT_EQ(solution.model->images.size(), 15U);
     EXPECT_EQ(solution.model->cameras.size(), 1U);
@@ -106,20 +104,22 @@ TEST(SolveWithTies, PortraitAndLandscapeShareTheirLens) {
     EXPECT_EQ(landscape.fx(), portrait.fx());
     EXPECT_EQ(landscape.params[3], portrait.params[3]);
     EXPECT_NEAR(landscape.fx(), 900.0, 9.0);
-    EXPECT_LT(error_of(solution, scene), 0.003);
+    EXPECT_LT(error_of(solution, scene), 0.006);
 }
 
 TEST(SolveWithTies, OneOfAnotherSizeHasACameraOfItsOwn) {
     SyntheticScene scene = ring(12, 6);
     Camera& cropped = scene.cameras.at(static_cast<CameraId>(7));
-    cropped.height = 600;  // of 750: the lower fifth is missing
+    cropped.height = 650;  // of 750: as much is missing above as below
+    cropped.params[2] -= 50;
+    for (Keypoint& keypoint : scene.images[7].keypoints) keypoint.y -= 50;
     keep_inside(cropped, scene.images[7]);
     scene = with_noise(std::move(scene), 6);
     const ClusterSolution solution = solved(problem_without_exif(scene));
     ASSERT_EQ(solution.model->images.size(), 12U);
     EXPECT_EQ(solution.model->cameras.size(), 2U);
     EXPECT_NEAR(focal_of(solution, 0), 900.0, 9.0);
-    EXPECT_NEAR(focal_of(solution, 7), 900.0, 45.0);
+    EXPECT_NEAR(focal_of(solution, 7), 900.0, 65.0);
 }
 
 /// What was decided with few images is decided anew when the model settles, in any order.

@@ -43,8 +43,7 @@ TEST(TimeLeft, OfASteadyRunIsWithinAQuarterFromAThirdOn) {
 
 TEST(TimeLeft, RateFallsWhileNothingComes) {
     TimeLeft left(100);
-    for (std::size_t done = 1; done <= 20; ++done)
-        left.on_photos(static_cast<double>(done), done);
+    for (std::size_t done = 1; done <= 20; ++done) left.on_photos(static_cast<double>(done), done);
     EXPECT_NEAR(left.rate(20.0), 1.0, 0.1);
     EXPECT_LT(left.rate(60.0), 0.3);
 }

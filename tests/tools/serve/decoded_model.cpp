@@ -56,8 +56,8 @@ class Bytes {
             const std::string_view high = take(count);
             std::uint16_t value = 0;
             for (std::size_t i = 0; i < count; ++i) {
-                const unsigned difference = static_cast<unsigned char>(low[i]) +
-                                            256U * static_cast<unsigned char>(high[i]);
+                const unsigned difference =
+                    static_cast<unsigned char>(low[i]) + 256U * static_cast<unsigned char>(high[i]);
                 value = static_cast<std::uint16_t>(value + difference);
                 all[i][axis] = origin[axis] + step * value;
             }

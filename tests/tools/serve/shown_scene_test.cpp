@@ -144,7 +144,8 @@ TEST(ShownScene, PointsComeAndGo) {
     EXPECT_EQ(stage.watcher.clusters.at(1).cameras.size(), 5U);
     model.images.pop_back();
     std::vector<ScenePoint> points = model.points.to_vector();
-    std::erase_if(points, [](const ScenePoint& point) { return point.track[1].image == ImageId{4}; });
+    std::erase_if(points,
+                  [](const ScenePoint& point) { return point.track[1].image == ImageId{4}; });
     model.points = ScenePoints(points);
     stage.show({{1, model}});
     EXPECT_EQ(stage.watcher.clusters.at(1).cameras.size(), 4U);
