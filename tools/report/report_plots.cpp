@@ -17,7 +17,9 @@ constexpr double kMostHigh = 480.0;
 constexpr int kLevels = 5;  // of grey, as classes l0 … l4
 
 std::string level_class(double share) {
-    return "l" + std::to_string(std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1));
+    // append: GCC 12 takes "l" + string for an overlapping copy here (GCC bug 105329).
+    return std::string("l").append(
+        std::to_string(std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1)));
 }
 
 /// From the ground to the plot; y goes up there and down here.

@@ -115,7 +115,6 @@ Sim3 robust_similarity(std::span<const std::pair<Eigen::Vector3d, Eigen::Vector3
 }
 
 void fit_frame(ShownCluster& shown, const Reconstruction& model) {
-    const Sim3 shown_from_cluster = inverse(shown.cluster_from_shown);
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
     const std::size_t stride = std::max<std::size_t>(1, model.points.size() / kSample);
     std::size_t number = 0;
