@@ -29,7 +29,11 @@ struct PhotoMetadata {
     std::string model;
     std::optional<double> focal_px;  ///< focal length known from EXIF or Lensfun [px]
     std::optional<double> focal_mm;  ///< EXIF focal length [mm], as written
-    std::uint8_t orientation = 1;    ///< EXIF orientation 1..8: which side of the photograph was up
+    double digital_zoom = 1.0;       ///< EXIF digital zoom ratio; 1 where it was not used
+    /// The focal length is but a guess: EXIF has that of the photograph before it was cropped, or
+    /// does not say whether digital zoom is in it.
+    bool focal_is_vague = false;
+    std::uint8_t orientation = 1;  ///< EXIF orientation 1..8: which side of the photograph was up
     std::optional<GpsPosition> gps;
     bool operator==(const PhotoMetadata&) const = default;
 };

@@ -59,7 +59,8 @@ std::string strange_by_itself(const CameraReport& report, std::span<const Image>
     if (first.focal_px &&
         std::abs(std::log(camera.mean_focal() / *first.focal_px)) > kFarFromExif) {
         return "EXIF says " + pixels(*first.focal_px) +
-               ": cropped after the exposure, or EXIF is wrong";
+               (first.focal_is_vague ? " or more: cropped or zoomed afterwards"
+                                     : ": cropped after the exposure, or EXIF is wrong");
     }
     return {};
 }

@@ -22,6 +22,8 @@ const char* problem_of(const Image& image) {
             return "focal length is not positive";
         }
     }
+    if (!(std::isfinite(data.digital_zoom) && data.digital_zoom > 0.0))
+        return "digital zoom is not positive";
     if (data.gps) {
         const bool finite = std::isfinite(data.gps->latitude_deg) &&
                             std::isfinite(data.gps->longitude_deg) &&
@@ -106,7 +108,8 @@ Result<std::string> encode_image(const Image& image) {
     }
     builder.Finish(records::CreateImage(
         builder, index_of(image.camera), name, data.width, data.height, data.content_hash, make,
-        model, to_flat(data.focal_px), to_flat(data.focal_mm), data.orientation, gps));
+        model, to_flat(data.focal_px), to_flat(data.focal_mm), data.orientation, gps,
+        data.digital_zoom, data.focal_is_vague));
     return finished(builder);
 }
 
@@ -127,6 +130,8 @@ Result<Image> decode_image(ImageId id, std::string_view payload) {
     data.focal_px = to_std(record->focal_px());
     data.focal_mm = to_std(record->focal_mm());
     data.orientation = record->orientation();
+    data.digital_zoom = record->digital_zoom();
+    data.focal_is_vague = record->focal_is_vague();
     if (const auto* gps = record->gps()) {
         data.gps =
             GpsPosition{gps->latitude_deg(), gps->longitude_deg(), to_std(gps->altitude_m())};

@@ -40,10 +40,15 @@ std::string size_text(const PhotoMetadata& metadata) {
 /// Focal length as far as zooming could tell two photographs apart: a hundredth of a millimetre and
 /// a tenth of a pixel (which also changes with digital zoom).
 std::string focal_text(const PhotoMetadata& metadata) {
-    char text[96];
+    char text[128];
     std::snprintf(text, sizeof text, "%.2fmm|%.1fpx", metadata.focal_mm.value_or(0.0),
                   metadata.focal_px.value_or(0.0));
-    return text;
+    std::string result = text;
+    if (metadata.digital_zoom != 1.0) {
+        std::snprintf(text, sizeof text, "|zoom%.2f", metadata.digital_zoom);
+        result += text;
+    }
+    return result;
 }
 
 /// Make and model may be stripped (Mapillary's files have none): then focal length and size tell.
@@ -98,6 +103,10 @@ std::string camera_kind(CameraSharing sharing, const PhotoMetadata& metadata) {
 }
 
 Camera initial_camera(const PhotoMetadata& metadata) {
+    if (metadata.focal_px && metadata.focal_is_vague) {
+        return make_camera(metadata.width, metadata.height, *metadata.focal_px,
+                           FocalSource::kUnknown);
+    }
     if (metadata.focal_px) {
         return make_camera(metadata.width, metadata.height, *metadata.focal_px, FocalSource::kExif);
     }

@@ -3,6 +3,7 @@
 #include "stages/features/focal_prior.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -69,19 +70,54 @@ bool is_possible(double focal_px, double width, double height) {
     return ratio > 0.15 && ratio < 60.0;
 }
 
+/// Whether a photograph has a shape that cameras give it: 1:1, 5:4, 4:3, 3:2, 16:10, 16:9, 17:9, or
+/// one of the long ones of phones.
+bool has_camera_shape(double width, double height) {
+    constexpr double kTolerance = 0.015;
+    constexpr std::array<double, 12> kShapes{1.0,       5.0 / 4,  4.0 / 3,  3.0 / 2,
+                                             16.0 / 10, 16.0 / 9, 17.0 / 9, 2.0,
+                                             18.5 / 9,  19.5 / 9, 20.0 / 9, 21.0 / 9};
+    const double shape = std::max(width, height) / std::min(width, height);
+    return std::ranges::any_of(
+        kShapes, [&](double known) { return std::abs(shape / known - 1.0) < kTolerance; });
+}
+
+std::optional<double> if_possible(std::optional<double> focal_px, double width, double height) {
+    return focal_px && is_possible(*focal_px, width, height) ? focal_px : std::nullopt;
+}
+
+/// With digital zoom the enlarged middle of the picture is all there is.
+std::optional<double> zoomed(std::optional<double> focal_px, const ExifTags& tags) {
+    return focal_px ? std::optional(*focal_px * tags.digital_zoom) : std::nullopt;
+}
+
 }  // namespace
 
-std::optional<double> focal_prior_px(const ExifTags& tags, std::uint32_t width,
-                                     std::uint32_t height, FilmEquivalent film) {
-    if (width == 0 || height == 0) return std::nullopt;
+FocalPrior focal_prior(const ExifTags& tags, std::uint32_t width, std::uint32_t height,
+                       FilmEquivalent film) {
+    if (width == 0 || height == 0) return {};
+    constexpr double kHardlyZoomed = 1.01;
     const Original original = original_of(tags, width, height);
-    auto focal_px = from_film_equivalent(tags, original, film);
-    if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
-    focal_px = from_focal_plane(tags, original);
-    if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
-    focal_px = from_lensfun(tags, original);
-    if (focal_px && is_possible(*focal_px, width, height)) return focal_px;
-    return std::nullopt;
+    const bool is_zoomed = tags.digital_zoom > kHardlyZoomed;
+    const bool is_cropped = !has_camera_shape(original.width, original.height);
+    const auto by_film = if_possible(from_film_equivalent(tags, original, film), width, height);
+    const auto by_plane =
+        if_possible(zoomed(from_focal_plane(tags, original), tags), width, height);
+    const auto by_lensfun = if_possible(zoomed(from_lensfun(tags, original), tags), width, height);
+    FocalPrior prior;
+    if (is_cropped) {
+        prior.focal_px = by_plane ? by_plane : by_film ? zoomed(by_film, tags) : by_lensfun;
+        prior.is_vague = prior.focal_px.has_value();
+    } else if (is_zoomed) {
+        prior.focal_px = by_plane ? by_plane : by_lensfun;
+        if (!prior.focal_px) {
+            prior.focal_px = if_possible(zoomed(by_film, tags), width, height);
+            prior.is_vague = prior.focal_px.has_value();
+        }
+    } else {
+        prior.focal_px = by_film ? by_film : by_plane ? by_plane : by_lensfun;
+    }
+    return prior;
 }
 
 }  // namespace psfm

@@ -144,6 +144,7 @@ ExifTags collect_tags(const Exiv2::ExifData& data) {
     tags.focal_35mm = positive(data, "Exif.Photo.FocalLengthIn35mmFilm");
     tags.focal_plane_x_per_mm = focal_plane_resolution(data, "Exif.Photo.FocalPlaneXResolution");
     tags.focal_plane_y_per_mm = focal_plane_resolution(data, "Exif.Photo.FocalPlaneYResolution");
+    tags.digital_zoom = positive(data, "Exif.Photo.DigitalZoomRatio").value_or(1.0);
     tags.original_width = positive(data, "Exif.Photo.PixelXDimension");
     tags.original_height = positive(data, "Exif.Photo.PixelYDimension");
     tags.gps = gps_position(data);

@@ -22,6 +22,7 @@ struct ExifTags {
     std::optional<double>
         focal_plane_x_per_mm;  ///< FocalPlaneXResolution [px of the original / mm]
     std::optional<double> focal_plane_y_per_mm;
+    double digital_zoom = 1.0;  ///< DigitalZoomRatio; 1 where it is 0, which means "not used"
     /// PixelXDimension, PixelYDimension: the size when the photograph was taken [px]. Editors that
     /// reduce a photograph often leave them as they were.
     std::optional<double> original_width;

@@ -23,7 +23,10 @@ PhotoMetadata make_metadata(const DecodedPhoto& photo, FilmEquivalent film) {
     metadata.content_hash = photo.content_hash;
     metadata.make = tags.make;
     metadata.model = tags.model;
-    metadata.focal_px = focal_prior_px(tags, metadata.width, metadata.height, film);
+    const FocalPrior prior = focal_prior(tags, metadata.width, metadata.height, film);
+    metadata.focal_px = prior.focal_px;
+    metadata.focal_is_vague = prior.is_vague;
+    metadata.digital_zoom = tags.digital_zoom;
     metadata.focal_mm = tags.focal_mm;
     // HEIF pictures come upright; see decode_heif().
     metadata.orientation = photo.format == PhotoFormat::kHeif ? std::uint8_t{1} : tags.orientation;

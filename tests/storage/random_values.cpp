@@ -62,6 +62,8 @@ Image random_image(ImageId id, Rng& rng) {
     data.model = random_text(rng);
     data.focal_px = maybe(rng, 1, 9000);
     data.focal_mm = maybe(rng, 1, 300);
+    data.digital_zoom = 1.0 + 0.25 * static_cast<double>(below(rng, 8));
+    data.focal_is_vague = below(rng, 2) == 1;
     data.orientation = static_cast<std::uint8_t>(1 + below(rng, 8));
     if (below(rng, 2) == 0) {
         data.gps =

@@ -66,6 +66,25 @@ TEST(AssignCameraTest, WithoutExifEachImageIsItsOwnCamera) {
               camera_key(CameraSharing::kAuto, no_focal, "2.jpg"));
 }
 
+TEST(AssignCameraTest, DigitalZoomIsAnotherCamera) {
+    const std::string key = camera_key(CameraSharing::kAuto, phone(), "1.jpg");
+    PhotoMetadata zoomed = phone();
+    zoomed.digital_zoom = 1.54;
+    const std::string zoomed_key = camera_key(CameraSharing::kAuto, zoomed, "2.jpg");
+    EXPECT_NE(zoomed_key, key);
+    EXPECT_EQ(camera_key(CameraSharing::kAuto, zoomed, "3.jpg"), zoomed_key);
+    zoomed.digital_zoom = 2.0;
+    EXPECT_NE(camera_key(CameraSharing::kAuto, zoomed, "4.jpg"), zoomed_key);
+}
+
+TEST(AssignCameraTest, AVagueFocalLengthIsAGuess) {
+    PhotoMetadata cropped = phone();
+    cropped.focal_is_vague = true;
+    const Camera guess = initial_camera(cropped);
+    EXPECT_EQ(guess.focal_source, FocalSource::kUnknown);
+    EXPECT_EQ(guess.fx(), 728.0);
+}
+
 TEST(AssignCameraTest, PhotographsOfOneKind) {
     const auto kind = [](const PhotoMetadata& metadata) {
         return camera_kind(CameraSharing::kAuto, metadata);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "stages/features/lensfun_crop_factor.h"
 
@@ -14,7 +15,7 @@ namespace {
 const double kFilmDiagonal = std::hypot(36.0, 24.0);
 
 std::optional<double> prior(const ExifTags& tags, std::uint32_t width, std::uint32_t height) {
-    return focal_prior_px(tags, width, height, FilmEquivalent::kDiagonal);
+    return focal_prior(tags, width, height, FilmEquivalent::kDiagonal).focal_px;
 }
 
 TEST(FocalPriorTest, FilmEquivalentComparesDiagonals) {
@@ -29,8 +30,10 @@ TEST(FocalPriorTest, FilmEquivalentComparesDiagonals) {
 TEST(FocalPriorTest, FilmEquivalentMayCompareTheLongSide) {
     ExifTags tags;
     tags.focal_35mm = 28.0;
-    EXPECT_NEAR(focal_prior_px(tags, 900, 675, FilmEquivalent::kLongSide).value(), 700.0, 1e-9);
-    EXPECT_NEAR(focal_prior_px(tags, 675, 900, FilmEquivalent::kLongSide).value(), 700.0, 1e-9);
+    EXPECT_NEAR(focal_prior(tags, 900, 675, FilmEquivalent::kLongSide).focal_px.value(), 700.0,
+                1e-9);
+    EXPECT_NEAR(focal_prior(tags, 675, 900, FilmEquivalent::kLongSide).focal_px.value(), 700.0,
+                1e-9);
 }
 
 TEST(FocalPriorTest, FocalPlaneResolution) {
@@ -74,6 +77,52 @@ TEST(FocalPriorTest, OrderOfSources) {
     EXPECT_NEAR(prior(tags, 3000, 2000).value(), 3600.0, 1e-6);
     tags.focal_35mm = 50.0;
     EXPECT_NEAR(prior(tags, 3000, 2000).value(), 3000.0 * 50.0 / 36.0, 1e-6);
+}
+
+bool is_vague(const ExifTags& tags, std::uint32_t width, std::uint32_t height) {
+    return focal_prior(tags, width, height, FilmEquivalent::kDiagonal).is_vague;
+}
+
+TEST(FocalPriorTest, DigitalZoomIsALongerFocalLength) {
+    ExifTags tags;
+    tags.focal_mm = 36.0;
+    tags.focal_plane_x_per_mm = 100.0;
+    tags.digital_zoom = 1.5;
+    EXPECT_NEAR(prior(tags, 3600, 2400).value(), 5400.0, 1e-9);
+    EXPECT_FALSE(is_vague(tags, 3600, 2400));
+    // The equivalent may have the zoom in it already: the sensor is believed.
+    tags.focal_35mm = 54.0;
+    EXPECT_NEAR(prior(tags, 3600, 2400).value(), 5400.0, 1e-9);
+    EXPECT_FALSE(is_vague(tags, 3600, 2400));
+    // Without the sensor nobody knows.
+    tags.focal_plane_x_per_mm.reset();
+    EXPECT_TRUE(prior(tags, 3600, 2400));
+    EXPECT_TRUE(is_vague(tags, 3600, 2400));
+    tags.digital_zoom = 1.0;
+    EXPECT_NEAR(prior(tags, 3600, 2400).value(), 5400.0, 1e-9);
+    EXPECT_FALSE(is_vague(tags, 3600, 2400));
+}
+
+TEST(FocalPriorTest, AShapeThatNoCameraHasWasCropped) {
+    ExifTags tags;
+    tags.focal_35mm = 35.0;
+    EXPECT_TRUE(is_vague(tags, 2000, 1650));
+    EXPECT_TRUE(is_vague(tags, 1650, 2000));
+    for (const auto& [width, height] :
+         {std::pair(4000, 3000), std::pair(3008, 2000), std::pair(1920, 1080), std::pair(800, 1067),
+          std::pair(1000, 1000), std::pair(1067, 800), std::pair(2400, 1080)}) {
+        EXPECT_FALSE(
+            is_vague(tags, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)))
+            << width;
+    }
+    // The sensor's pixels are what they were, if nobody has reduced them.
+    tags.focal_mm = 36.0;
+    tags.focal_plane_x_per_mm = 100.0;
+    EXPECT_NEAR(prior(tags, 2000, 1650).value(), 3600.0, 1e-9);
+    // Where EXIF has the size that it was cropped from, that tells.
+    tags.original_width = 3600.0;
+    tags.original_height = 2400.0;
+    EXPECT_FALSE(is_vague(tags, 2000, 1650));
 }
 
 TEST(FocalPriorTest, LensfunIgnoresCaseAndBlanks) {

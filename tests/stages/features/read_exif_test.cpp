@@ -148,6 +148,19 @@ TEST(ReadExifTest, ImpossibleValuesAreAbsent) {
     EXPECT_FALSE(tags.gps);
 }
 
+TEST(ReadExifTest, DigitalZoom) {
+    const auto zoom = [](const char* ratio) {
+        Exiv2::ExifData data;
+        data["Exif.Photo.FocalLength"] = Exiv2::Rational(54, 10);
+        if (ratio != nullptr) data["Exif.Photo.DigitalZoomRatio"].setValue(ratio);
+        return read_exif(encode_exif(data)).digital_zoom;
+    };
+    EXPECT_EQ(zoom("77/50"), 1.54);
+    EXPECT_EQ(zoom("0/100"), 1.0);  // not used
+    EXPECT_EQ(zoom("1/0"), 1.0);
+    EXPECT_EQ(zoom(nullptr), 1.0);
+}
+
 TEST(ReadExifTest, NoFixAndNoHemisphereAreNoPosition) {
     Exiv2::ExifData data;
     set(data, "Exif.GPSInfo.GPSLatitude", Exiv2::unsignedRational, "0/1 0/1 0/1");
