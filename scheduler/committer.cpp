@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "scheduler/event_log.h"
+#include "scheduler/known_files.h"
 #include "scheduler/make_problems.h"
+#include "scheduler/remove_images.h"
 #include "stages/clustering/keep_apart.h"
 #include "stages/features/assign_camera.h"
 
@@ -40,10 +42,11 @@ Result<CommitOutput> Committer::handle(const CommitInput& message) {
     return output;
 }
 
-void Committer::tell_rejected(const std::string& name, const std::string& reason) {
+void Committer::tell_of_photo(SessionEvent::Kind kind, const std::string& name,
+                              const std::string& text) {
     SessionEvent event;
-    event.kind = SessionEvent::Kind::kRejected;
-    event.text = reason;
+    event.kind = kind;
+    event.text = text;
     event.images = {name};
     events_.push_back(std::move(event));
 }
@@ -57,7 +60,7 @@ Result<void> Committer::reject(const ExtractedMessage& message, const std::strin
     }
     if (const auto stored = store_->commit_rejected(rejected); !stored.ok()) return stored;
     state_.rejected.insert(message.file.name);
-    tell_rejected(message.file.name, reason);
+    tell_of_photo(SessionEvent::Kind::kRejected, message.file.name, reason);
     ++images_released_;
     return {};
 }
@@ -66,11 +69,13 @@ void Committer::pass_over(const ExtractedMessage& message) {
     ++images_released_;
     const std::string& name = message.file.name;
     if (!message.photo->ok()) return;  // it was read when it was accepted
-    const auto twin = state_.name_of_content.find(message.photo->value().metadata.content_hash);
-    if (twin != state_.name_of_content.end() && twin->second == name) return;
-    tell_rejected(name, name +
-                            " is another photograph than the one of that name which is in the "
-                            "session; give it a name of its own");
+    const auto twin = state_.image_of_content.find(message.photo->value().metadata.content_hash);
+    if (twin != state_.image_of_content.end() && state_.images[index_of(twin->second)].name == name)
+        return;
+    tell_of_photo(SessionEvent::Kind::kRejected, name,
+                  name +
+                      " is another photograph than the one of that name which is in the session; "
+                      "give it a name of its own");
 }
 
 std::optional<CameraId> Committer::camera_of(const Image& image) {
@@ -108,12 +113,12 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     }
     const ExtractedPhoto& photo = message.photo->value();
     const std::uint64_t hash = photo.metadata.content_hash;
-    if (const auto twin = state_.name_of_content.find(hash); twin != state_.name_of_content.end()) {
-        return reject(message,
-                      name + " is a byte-for-byte copy of " + twin->second +
-                          ", which is in the session; delete one of the two",
-                      hash, message.stamp);
-    }
+    if (state_.removed_content.contains(hash))
+        return reject(message, removal_reason(name), hash, message.stamp);
+    if (const auto twin = state_.image_of_content.find(hash); twin != state_.image_of_content.end())
+        return meet_twin(message, twin->second);
+    if (const std::string copy = small_copy_of_known(name, photo); !copy.empty())
+        return reject(message, copy, hash, message.stamp);
 
     auto accepted = std::make_shared<AcceptedImage>();
     Image& image = accepted->image;
@@ -132,17 +137,22 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     }
     image.camera = *camera;
     accepted->camera = state_.cameras.at(image.camera);
+    ImageSource source;
+    source.signature = photo.signature;
+    source.mask_hash = photo.mask_hash;
+    if (message.stamp) source.file = file_of(message.file, *message.stamp);
     // Aliased pointers: keypoints and descriptors live as long as the extracted photograph.
     accepted->keypoints = {message.photo, &photo.keypoints};
     accepted->descriptors = {message.photo, &photo.descriptors};
-    if (const auto stored =
-            store_->commit_image(image, accepted->camera, photo.keypoints, photo.descriptors);
+    if (const auto stored = store_->commit_image(image, accepted->camera, photo.keypoints,
+                                                 photo.descriptors, source);
         !stored.ok())
         return stored;
 
     state_.images.push_back(image);
+    state_.sources.push_back(std::move(source));
     state_.keypoints.push_back(std::make_shared<const Keypoints>(photo.keypoints));
-    state_.name_of_content.emplace(hash, image.name);
+    state_.image_of_content.emplace(hash, image.id);
     state_.names.insert(image.name);
     state_.rejected.erase(image.name);
     PendingImage pending;
@@ -152,6 +162,9 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     pending.arrival = message.arrival;
     state_.pending[index_of(image.id)] = pending;
     output.accepted.push_back(std::move(accepted));
+    for (const std::string& remark : photo.remarks)
+        tell_of_photo(SessionEvent::Kind::kRemark, name, remark);
+    tell_of_small_copies(image.id);
     return {};
 }
 

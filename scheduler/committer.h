@@ -81,10 +81,18 @@ class Committer {
                         std::uint64_t hash, const std::optional<FileStamp>& stamp);
     /// A file that has the name of an image of the session.
     void pass_over(const ExtractedMessage& message);
+    /// A file with the content of an image: the image's name follows where its own file is gone,
+    /// else it is a copy, and rejected. @errors those of the store
+    Result<void> meet_twin(const ExtractedMessage& message, ImageId twin);
+    /// That a photograph is a small copy of an image, in words; empty: it is of none.
+    std::string small_copy_of_known(const std::string& name, const ExtractedPhoto& photo) const;
+    /// Tells of images that are small copies of a new one.
+    void tell_of_small_copies(ImageId image);
     /// The camera of a new image, made if it is the first of its kind. @return nothing where the
     /// camera given for it has another size
     std::optional<CameraId> camera_of(const Image& image);
-    void tell_rejected(const std::string& name, const std::string& reason);
+    /// Of a photograph, to those who watch; not kept for `status`. @param kind  kRejected, kRemark
+    void tell_of_photo(SessionEvent::Kind kind, const std::string& name, const std::string& text);
     /// Keeps images apart that a model shows beside each other and that are of different places,
     /// and takes that back where a model says otherwise. @return what is to be stored for that
     /// @errors those of the store

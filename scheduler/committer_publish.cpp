@@ -97,7 +97,7 @@ std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
 
 void Committer::count(const Scene& scene) {
     SessionCounts& counts = state_.counts;
-    counts.images = static_cast<std::uint32_t>(state_.images.size());
+    counts.images = state_.image_count();
     counts.placed = static_cast<std::uint32_t>(placed_count(scene));
     counts.waiting = counts.images - counts.placed;
     counts.rejected = static_cast<std::uint32_t>(state_.rejected.size());

@@ -29,7 +29,9 @@ class DatabaseFrontEnd final : public FrontEnd {
           seed_(parts.seed),
           database_(std::move(database)) {
         for (const DatabaseImage& image : database_->images()) by_name_.emplace(image.name, &image);
-        for (const CommittedImage& known : parts.committed) remember(known.image, known.camera);
+        for (const CommittedImage& known : parts.committed) {
+            if (!known.removed) remember(known.image, known.camera);
+        }
     }
 
     Result<ExtractedPhoto> extract(const PhotoFile& photo) const override {

@@ -67,6 +67,8 @@ const char* name_of(SessionEvent::Kind kind) {
             return "settle";
         case SessionEvent::Kind::kSolve:
             return "solve";
+        case SessionEvent::Kind::kRemark:
+            return "remark";
     }
     return "unknown";
 }

@@ -43,6 +43,7 @@ class FrontEnd {
 struct CommittedImage {
     Image image;
     Camera camera;
+    bool removed = false;  ///< nobody's candidate
 };
 
 /// What a front end is made from.

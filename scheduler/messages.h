@@ -150,7 +150,9 @@ struct SessionEvent {
         kPlaces,
         kCameras,  ///< which photographs are of one camera, or what is strange about one
         kSettle,   ///< models begin to settle
-        kSolve
+        kSolve,
+        kRemark,  ///< a photograph was taken in, but something about its file is not as it should
+                  ///< be
     };
     Kind kind{};
     std::string text;                 ///< one sentence

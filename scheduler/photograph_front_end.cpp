@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include "scheduler/front_end.h"
 #include "stages/features/extraction_memory.h"
@@ -21,6 +22,7 @@ class PhotographFrontEnd final : public FrontEnd {
           retrieval_(std::move(retrieval)) {
         for (const CommittedImage& known : parts.committed) {
             known_.push_back({known.image.id, known.camera, known.image.metadata.content_hash});
+            if (known.removed) removed_.insert(known.image.id);
         }
         make_room();
     }
@@ -45,6 +47,7 @@ class PhotographFrontEnd final : public FrontEnd {
         make_room();
         std::vector<KnownImage> candidates;
         for (const RetrievalCandidate& candidate : found->candidates) {
+            if (removed_.contains(candidate.image)) continue;
             candidates.push_back(known_[index_of(candidate.image)]);
             candidates.back().similarity = candidate.score;
         }
@@ -91,6 +94,7 @@ class PhotographFrontEnd final : public FrontEnd {
     RetrievalState retrieval_;
     std::size_t index_bytes_ = 0;    // that the cache has made room for
     std::vector<KnownImage> known_;  // by id
+    std::set<ImageId> removed_;
 };
 
 }  // namespace

@@ -23,7 +23,10 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     if (!rejected.ok()) return rejected.error();
     const auto verified = store.verified_image_count();
     if (!verified.ok()) return verified.error();
+    auto sources = store.image_sources();
+    if (!sources.ok()) return sources.error();
     state.images = *std::move(images);
+    state.sources = *std::move(sources);
     state.cameras = *std::move(cameras);
     restored.rejected = *std::move(rejected);
     for (const RejectedPhoto& photo : restored.rejected) state.rejected.insert(photo.name);
@@ -36,7 +39,11 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
             keypoints = *std::move(read);
         }
         state.keypoints.push_back(std::move(keypoints));
-        state.name_of_content.emplace(image.metadata.content_hash, image.name);
+        if (state.is_removed(image.id)) {
+            state.removed_content.insert(image.metadata.content_hash);
+            continue;
+        }
+        state.image_of_content.emplace(image.metadata.content_hash, image.id);
         state.names.insert(image.name);
         // A camera given since then is that of later images only.
         const auto given = config.given_cameras.find(image.name);

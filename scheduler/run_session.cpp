@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 #include <thread>
 
 #include "scheduler/admission.h"
@@ -29,13 +28,21 @@ constexpr auto kPoll = 100ms;  // how soon a stop is noticed
 class SeenPhotos {
   public:
     explicit SeenPhotos(const RestoredSession& restored) {
-        for (const Image& image : restored.state.images) accepted_.insert(image.name);
+        for (const Image& image : restored.state.images) {
+            const ImageSource& source = restored.state.sources[index_of(image.id)];
+            if (!source.removed)
+                accepted_[image.name] = {source.file.size, source.file.modified_ns};
+        }
         for (const RejectedPhoto& photo : restored.rejected)
             rejected_[photo.name] = {photo.file_size, photo.file_time};
     }
 
     bool contains(const std::string& name, const std::optional<FileStamp>& stamp) const {
-        if (accepted_.contains(name)) return true;
+        if (const auto accepted = accepted_.find(name); accepted != accepted_.end()) {
+            // Of an image that knows nothing of its file the name alone counts; another file may be
+            // another photograph, and is told of (Committer::pass_over).
+            return accepted->second.modified_ns == 0 || !stamp || *stamp == accepted->second;
+        }
         const auto rejected = rejected_.find(name);
         if (rejected == rejected_.end() || !stamp || stamp->size != rejected->second.size)
             return false;
@@ -44,7 +51,7 @@ class SeenPhotos {
     }
 
   private:
-    std::set<std::string> accepted_;
+    std::map<std::string, FileStamp> accepted_;
     std::map<std::string, FileStamp> rejected_;
 };
 
@@ -111,7 +118,8 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
                                                  Salvage* salvage) {
     FrontEndParts parts{&store, &options, config.seed, {}};
     for (std::uint32_t i = 0; i < state.verified; ++i)
-        parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera)});
+        parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera),
+                                   state.is_removed(static_cast<ImageId>(i))});
     Result<std::unique_ptr<FrontEnd>> front_end = Error{};
     arena.execute([&] {
         front_end = config.colmap_database.empty()

@@ -60,7 +60,8 @@ struct SessionRun {
 /// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and
 /// everything is solved, or `stop` is set: then commits under way are finished, and the rest is
 /// left for the next run. Photographs that the session has (by name), or has rejected for what is
-/// in them and that have not changed, are skipped.
+/// in them, are skipped where their files have not changed (compare_with_session says more of
+/// them).
 /// @errors those of the store and of the front end (vocabulary file, database); the store stays
 /// consistent
 /// @param salvage  a damaged session that images and pairs are taken over from; null: none

@@ -68,6 +68,7 @@ std::string_view history_name(History history) {
 
 Result<StageOptions> stage_options(const SessionConfig& config) {
     StageOptions options;
+    options.features.masks = config.masks;
     if (config.preset == "paper") {
         options.clustering.form = JaccardForm::kLiteral;
         options.clustering.join_below = 0;
@@ -109,6 +110,7 @@ std::string encode_config(const SessionConfig& config) {
                 {"batch", config.batch},
                 {"seed", config.seed},
                 {"vocabulary", config.vocabulary_file},
+                {"masks", config.masks},
                 {"colmap_database", config.colmap_database},
                 {"order", config.order},
                 {"history", std::string(history_name(config.history))},
@@ -140,6 +142,7 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.batch = object.at("batch").get<bool>();
         config.seed = whole_number<std::uint64_t>(object.at("seed"));
         config.vocabulary_file = object.at("vocabulary").get<std::string>();
+        config.masks = object.value("masks", "");
         config.colmap_database = object.value("colmap_database", "");
         config.order = object.at("order").get<std::vector<std::string>>();
         const auto history = history_from_name(object.value("history", "poses"));

@@ -39,6 +39,7 @@ struct SessionConfig {
     bool deterministic = false;
     bool batch = false;  ///< no cluster is solved before the last photograph has arrived
     std::uint64_t seed = 0;
+    std::string masks;            ///< absolute path of the folder of masks; empty: none
     std::string vocabulary_file;  ///< empty: trained from the session's own descriptors
     /// Absolute path of the COLMAP database that images and matches come from; empty: photographs.
     std::string colmap_database;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -42,14 +43,23 @@ struct PendingImage {
 struct SessionState {
     explicit SessionState(std::uint32_t mu_min) : clusters(mu_min) {}
 
-    std::vector<Image> images;                      ///< by id
-    ResidentKeypoints keypoints;                    ///< by id
-    std::map<CameraId, Camera> cameras;             ///< as accepted
-    std::map<std::string, CameraId> camera_of_key;  ///< see assign_camera
-    std::unordered_map<std::uint64_t, std::string>
-        name_of_content;                       ///< finds byte-identical photographs
-    std::unordered_set<std::string> names;     ///< of the images
+    std::vector<Image> images;                                    ///< by id
+    std::vector<ImageSource> sources;                             ///< by id
+    ResidentKeypoints keypoints;                                  ///< by id
+    std::map<CameraId, Camera> cameras;                           ///< as accepted
+    std::map<std::string, CameraId> camera_of_key;                ///< see assign_camera
+    std::unordered_map<std::uint64_t, ImageId> image_of_content;  ///< finds byte-identical ones
+    std::unordered_set<std::uint64_t> removed_content;            ///< of images taken out
+    std::unordered_set<std::string> names;                        ///< of the images
     std::unordered_set<std::string> rejected;  ///< names of photographs, none of an image
+    bool is_removed(ImageId image) const {
+        return index_of(image) < sources.size() && sources[index_of(image)].removed;
+    }
+    /// Images of the session, without those that were taken out again.
+    std::uint32_t image_count() const {
+        const auto removed = std::ranges::count_if(sources, &ImageSource::removed);
+        return static_cast<std::uint32_t>(images.size()) - static_cast<std::uint32_t>(removed);
+    }
     std::uint32_t verified = 0;  ///< images 0 … verified-1 are nodes of the view graph
     ViewGraph view_graph;
     EdgeSelection edges;  ///< which pairs the view graph holds

@@ -11,6 +11,7 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
         for (const ImageId image : state.clusters.unplaced_of(entry)) {
+            if (state.is_removed(image)) continue;
             WaitReason reason = WaitReason::kSolving;
             if (state.view_graph.edges(image).empty()) {
                 reason = WaitReason::kTooFewMatches;
@@ -24,7 +25,8 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
         }
     }
     for (std::uint32_t image = state.verified; image < state.images.size(); ++image) {
-        waiting.emplace_back(static_cast<ImageId>(image), WaitReason::kSolving);
+        const auto id = static_cast<ImageId>(image);
+        if (!state.is_removed(id)) waiting.emplace_back(id, WaitReason::kSolving);
     }
     std::ranges::sort(waiting);
     return waiting;

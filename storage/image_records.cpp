@@ -94,7 +94,7 @@ Result<RejectedPhoto> decode_rejected(const std::string& name, std::string_view 
                          record->file_time()};
 }
 
-Result<std::string> encode_image(const Image& image) {
+Result<std::string> encode_image(const Image& image, const ImageSource& source) {
     if (const char* problem = problem_of(image)) return not_storable(problem);
     const PhotoMetadata& data = image.metadata;
     flatbuffers::FlatBufferBuilder builder;
@@ -106,10 +106,15 @@ Result<std::string> encode_image(const Image& image) {
         gps = records::CreateGps(builder, data.gps->latitude_deg, data.gps->longitude_deg,
                                  to_flat(data.gps->altitude_m));
     }
+    flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> signature;
+    if (!source.signature.empty()) signature = builder.CreateVector(source.signature);
+    flatbuffers::Offset<flatbuffers::String> folder;
+    if (!source.file.folder.empty()) folder = builder.CreateString(source.file.folder);
     builder.Finish(records::CreateImage(
         builder, index_of(image.camera), name, data.width, data.height, data.content_hash, make,
         model, to_flat(data.focal_px), to_flat(data.focal_mm), data.orientation, gps,
-        data.digital_zoom, data.focal_is_vague));
+        data.digital_zoom, data.focal_is_vague, signature, source.mask_hash, folder,
+        source.file.size, source.file.modified_ns, source.removed));
     return finished(builder);
 }
 
@@ -138,6 +143,21 @@ Result<Image> decode_image(ImageId id, std::string_view payload) {
     }
     if (const char* problem = problem_of(image)) return damaged_payload(problem);
     return image;
+}
+
+Result<ImageSource> decode_image_source(std::string_view payload) {
+    const FlatPayload flat(payload);
+    const auto* record = flat.root<records::Image>();
+    if (record == nullptr) return damaged_payload(kNotATable);
+    ImageSource source;
+    if (const auto* signature = record->signature())
+        source.signature.assign(signature->begin(), signature->end());
+    source.mask_hash = record->mask_hash();
+    if (const auto* folder = record->folder()) source.file.folder = folder->str();
+    source.file.size = record->file_size();
+    source.file.modified_ns = record->file_time();
+    source.removed = record->removed();
+    return source;
 }
 
 }  // namespace psfm

@@ -7,6 +7,7 @@
 
 #include "graph/camera.h"
 #include "graph/image.h"
+#include "graph/image_source.h"
 #include "graph/result.h"
 #include "storage/session_store.h"
 
@@ -26,8 +27,9 @@ Result<Camera> decode_camera(std::string_view payload);
 Result<std::string> encode_rejected(const RejectedPhoto& photo);
 Result<RejectedPhoto> decode_rejected(const std::string& name, std::string_view payload);
 
-Result<std::string> encode_image(const Image& image);
+Result<std::string> encode_image(const Image& image, const ImageSource& source = {});
 Result<Image> decode_image(ImageId id, std::string_view payload);
+Result<ImageSource> decode_image_source(std::string_view payload);
 
 Result<std::string> encode_keypoints(const Keypoints& keypoints);
 Result<Keypoints> decode_keypoints(std::string_view payload);

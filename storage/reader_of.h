@@ -20,6 +20,9 @@ class ReaderOf : public Interface {
 
     Result<SessionSettings> settings() const override { return reads_.settings(); }
     Result<std::vector<Image>> images() const override { return reads_.images(); }
+    Result<std::vector<ImageSource>> image_sources() const override {
+        return reads_.image_sources();
+    }
     Result<std::map<CameraId, Camera>> cameras() const override { return reads_.cameras(); }
     Result<std::vector<RejectedPhoto>> rejected() const override { return reads_.rejected(); }
     Result<std::shared_ptr<const Keypoints>> keypoints(ImageId image) const override {

@@ -44,6 +44,30 @@ Result<std::shared_ptr<const T>> read_cached(const Database& database, DecodedCa
         });
 }
 
+/// Something of every image's record, by id.
+template <typename T, typename Decode>
+Result<std::vector<T>> read_images(const Database& database, const Decode& decode) {
+    return read_consistently(database, [&](const ReadView& view) -> Result<std::vector<T>> {
+        std::vector<T> values;
+        const auto visited = view.for_each(
+            Family::kImages, {},
+            [&](std::string_view key, std::string_view record) -> Result<void> {
+                const auto id = decode_image_key(key);
+                if (!id || index_of(*id) != values.size()) {
+                    return damage(view, Family::kImages, key, "an image before it is missing");
+                }
+                auto value =
+                    open_and_decode(view, Family::kImages, RecordKind::kImage, key, record,
+                                    [&](std::string_view payload) { return decode(*id, payload); });
+                if (!value) return value.error();
+                values.push_back(std::move(*value));
+                return {};
+            });
+        if (!visited) return visited.error();
+        return values;
+    });
+}
+
 }  // namespace
 
 Result<SessionSettings> SessionReads::settings() const {
@@ -57,23 +81,12 @@ Result<SessionSettings> SessionReads::settings() const {
 }
 
 Result<std::vector<Image>> SessionReads::images() const {
-    return read_consistently(*database_, [](const ReadView& view) -> Result<std::vector<Image>> {
-        std::vector<Image> images;
-        const auto visited = view.for_each(
-            Family::kImages, {}, [&](std::string_view key, std::string_view value) -> Result<void> {
-                const auto id = decode_image_key(key);
-                if (!id || index_of(*id) != images.size()) {
-                    return damage(view, Family::kImages, key, "an image before it is missing");
-                }
-                auto image = open_and_decode(
-                    view, Family::kImages, RecordKind::kImage, key, value,
-                    [&](std::string_view payload) { return decode_image(*id, payload); });
-                if (!image) return image.error();
-                images.push_back(std::move(*image));
-                return {};
-            });
-        if (!visited) return visited.error();
-        return images;
+    return read_images<Image>(*database_, decode_image);
+}
+
+Result<std::vector<ImageSource>> SessionReads::image_sources() const {
+    return read_images<ImageSource>(*database_, [](ImageId /*id*/, std::string_view payload) {
+        return decode_image_source(payload);
     });
 }
 
@@ -90,7 +103,11 @@ Result<IntactImages> SessionReads::intact_images() const {
                 auto image = open_and_decode(
                     view, family, RecordKind::kImage, key, value,
                     [&](std::string_view payload) { return decode_image(*id, payload); });
-                if (image) intact.images.push_back(*std::move(image));
+                if (!image) return;
+                const auto source = open_and_decode(view, family, RecordKind::kImage, key, value,
+                                                    decode_image_source);
+                if (source && source->removed) intact.removed.insert(*id);
+                intact.images.push_back(*std::move(image));
             };
             walk_family(view, family, {record, [](const auto&, const auto&, const auto&) {}});
         }

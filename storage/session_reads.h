@@ -20,6 +20,7 @@ class SessionReads {
 
     Result<SessionSettings> settings() const;
     Result<std::vector<Image>> images() const;
+    Result<std::vector<ImageSource>> image_sources() const;
     Result<IntactImages> intact_images() const;
     Result<std::map<CameraId, Camera>> cameras() const;
     Result<std::vector<RejectedPhoto>> rejected() const;

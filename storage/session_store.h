@@ -8,11 +8,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "graph/clustering_edit.h"
 #include "graph/image.h"
+#include "graph/image_source.h"
 #include "graph/result.h"
 #include "graph/scene.h"
 #include "graph/two_view_geometry.h"
@@ -35,6 +37,12 @@ struct SessionSettings {
     std::string photo_folder;  ///< absolute
     std::string
         settings_json;  ///< the options of `run` that shape results, as written by the scheduler
+};
+
+/// An image with what is known of its file.
+struct SourcedImage {
+    Image image;
+    ImageSource source;
 };
 
 /// A photograph that was looked at and turned down.
@@ -120,6 +128,17 @@ struct PastVersion {
     std::string summary_json;
 };
 
+/// What is left of a session that images are taken out of.
+struct StoredRemoval {
+    /// The removed ones, as they stay: their ids are never used again, and old versions show them.
+    std::vector<SourcedImage> images;
+    /// Lists of pairs that named one of them, without those; by image, of verified ones.
+    std::map<ImageId, std::vector<VerifiedPairPtr>> pairs;
+    StoredEdit edit;
+    /// The same photographs as ones that are turned down, so that they stay out.
+    std::vector<RejectedPhoto> rejected;
+};
+
 /// One damaged record found by `check`.
 struct DamagedRecord {
     std::string kind;
@@ -131,6 +150,7 @@ struct DamagedRecord {
 struct IntactImages {
     std::vector<Image> images;  ///< whose records can be read, ascending by id
     std::uint32_t count = 0;    ///< ids that any record knows of are below
+    std::set<ImageId> removed;  ///< of these, what was taken out again
 };
 
 /// What `check` saw.
@@ -146,7 +166,9 @@ class SessionReader {
     virtual ~SessionReader() = default;
 
     virtual Result<SessionSettings> settings() const = 0;
-    virtual Result<std::vector<Image>> images() const = 0;           ///< ascending by id
+    virtual Result<std::vector<Image>> images() const = 0;  ///< ascending by id
+    /// Where they come from, by image id; of removed ones, too.
+    virtual Result<std::vector<ImageSource>> image_sources() const = 0;
     virtual Result<std::map<CameraId, Camera>> cameras() const = 0;  ///< as accepted
     virtual Result<std::vector<RejectedPhoto>> rejected() const = 0;
     virtual Result<std::shared_ptr<const Keypoints>> keypoints(ImageId image) const = 0;
@@ -208,9 +230,22 @@ class SessionStore : public SessionReader {
     /// Commit point 1: an image is acknowledged once this returns. `camera` is written when it is
     /// new. REQUIRES: image.id == number of accepted images
     virtual Result<void> commit_image(const Image& image, const Camera& camera,
-                                      const Keypoints& keypoints,
-                                      const Descriptors& descriptors) = 0;
+                                      const Keypoints& keypoints, const Descriptors& descriptors,
+                                      const ImageSource& source) = 0;
+    /// Of an image that nothing is known of but its pixels.
+    Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
+                              const Descriptors& descriptors) {
+        return commit_image(image, camera, keypoints, descriptors, ImageSource{});
+    }
     virtual Result<void> commit_rejected(const RejectedPhoto& photo) = 0;
+    /// Takes images out: their records say so, their descriptors go, and nobody has a pair with
+    /// them any more. What was read of descriptors before may still be in the cache. One batch.
+    virtual Result<void> commit_removal(const StoredRemoval& removal) = 0;
+    /// Photographs that are no longer turned down. One batch.
+    virtual Result<void> forget_rejected(const std::vector<std::string>& names) = 0;
+    /// Where the files of these images are by now: names, and what is known of the files. All else
+    /// is as it was accepted. Rejections of the new names are dropped. One batch.
+    virtual Result<void> commit_files(const std::vector<SourcedImage>& images) = 0;
     /// Commit points 2 and 3 in one batch: the pairs of `image` with earlier images, and what they
     /// changed in the clustering (the full records of changed clusters, and the ids of removed
     /// ones). REQUIRES: image.id == verified_image_count()

@@ -46,8 +46,8 @@ Result<void> SessionWriter::put_settings(const SessionSettings& settings) {
 }
 
 Result<void> SessionWriter::commit_image(const Image& image, const Camera& camera,
-                                         const Keypoints& keypoints,
-                                         const Descriptors& descriptors) {
+                                         const Keypoints& keypoints, const Descriptors& descriptors,
+                                         const ImageSource& source) {
     if (index_of(image.id) != state_.image_count) {
         return refused(name(image.id) + " is not the next one, " +
                        std::to_string(state_.image_count));
@@ -58,7 +58,7 @@ Result<void> SessionWriter::commit_image(const Image& image, const Camera& camer
     const std::string key = encode_key(image.id);
     const bool new_camera = !state_.cameras.contains(image.camera);
     Batch batch(database());
-    batch.put(Family::kImages, RecordKind::kImage, key, encode_image(image));
+    batch.put(Family::kImages, RecordKind::kImage, key, encode_image(image, source));
     batch.put(Family::kKeypoints, RecordKind::kKeypoints, key, encode_keypoints(keypoints));
     batch.put(Family::kDescriptors, RecordKind::kDescriptors, key, encode_descriptors(descriptors));
     if (new_camera) {
@@ -76,6 +76,18 @@ Result<void> SessionWriter::commit_rejected(const RejectedPhoto& photo) {
     Batch batch(database());
     batch.put(Family::kMeta, RecordKind::kRejected, rejected_key(photo.name),
               encode_rejected(photo));
+    return write(batch);
+}
+
+Result<void> SessionWriter::commit_files(const std::vector<SourcedImage>& images) {
+    Batch batch(database());
+    for (const auto& [image, source] : images) {
+        if (index_of(image.id) >= state_.image_count)
+            return refused(name(image.id) + " is not accepted");
+        batch.put(Family::kImages, RecordKind::kImage, encode_key(image.id),
+                  encode_image(image, source));
+        batch.remove(Family::kMeta, rejected_key(image.name));
+    }
     return write(batch);
 }
 

@@ -39,9 +39,13 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     Result<void> compact() override { return database().compact(); }
     Result<void> keep_history(History history) override;
     Result<void> put_settings(const SessionSettings& settings) override;
+    using SessionStore::commit_image;
     Result<void> commit_image(const Image& image, const Camera& camera, const Keypoints& keypoints,
-                              const Descriptors& descriptors) override;
+                              const Descriptors& descriptors, const ImageSource& source) override;
     Result<void> commit_rejected(const RejectedPhoto& photo) override;
+    Result<void> commit_removal(const StoredRemoval& removal) override;
+    Result<void> forget_rejected(const std::vector<std::string>& names) override;
+    Result<void> commit_files(const std::vector<SourcedImage>& images) override;
     Result<void> commit_pairs(ImageId image, const std::vector<VerifiedPairPtr>& pairs,
                               const std::vector<StoredCluster>& changed,
                               const std::vector<ClusterId>& removed) override;

@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
     psfm::add_evaluate_command(app, exit_code);
     psfm::add_check_command(app, exit_code);
     psfm::add_repair_command(app, exit_code);
+    psfm::add_remove_command(app, exit_code);
     psfm::add_compact_command(app, exit_code);
     psfm::add_options_command(app, exit_code);
     psfm::add_vocabulary_command(app, exit_code);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "stages/features/byte_view.h"
+#include "stages/features/photo_mask.h"
 #include "stages/features/text.h"
 
 namespace psfm {
@@ -67,12 +68,13 @@ Result<HeifPhoto> decode_heif(std::span<const std::uint8_t> bytes, double max_pi
         return Error{ErrorCode::kUnreadable,
                      "has " + std::to_string(static_cast<long>(pixels / 1e6)) +
                          " megapixels, above the limit of " +
-                         std::to_string(static_cast<long>(max_pixels / 1e6)) +
-                         "; reduce it, or raise max_megapixels"};
+                         std::to_string(static_cast<long>(max_pixels / 1e6)) + "; reduce it"};
     }
+    const bool has_alpha = heif_image_handle_has_alpha_channel(handle.get()) != 0;
     heif_image* raw_picture = nullptr;
-    error = heif_decode_image(handle.get(), &raw_picture, heif_colorspace_RGB,
-                              heif_chroma_interleaved_RGB, nullptr);
+    error = heif_decode_image(
+        handle.get(), &raw_picture, heif_colorspace_RGB,
+        has_alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB, nullptr);
     const Picture picture(raw_picture);
     if (error.code != heif_error_Ok) return heif_failure(error);
 
@@ -84,8 +86,14 @@ Result<HeifPhoto> decode_heif(std::span<const std::uint8_t> bytes, double max_pi
         return Error{ErrorCode::kUnreadable, "holds no picture; export it as JPEG"};
     }
     HeifPhoto photo;
-    const cv::Mat rgb(height, width, CV_8UC3, data, static_cast<std::size_t>(stride));
-    cv::cvtColor(rgb, photo.colour, cv::COLOR_RGB2BGR);
+    const cv::Mat rgb(height, width, has_alpha ? CV_8UC4 : CV_8UC3, data,
+                      static_cast<std::size_t>(stride));
+    cv::cvtColor(rgb, photo.colour, has_alpha ? cv::COLOR_RGBA2BGR : cv::COLOR_RGB2BGR);
+    if (has_alpha) {
+        cv::Mat alpha;
+        cv::extractChannel(rgb, alpha, 3);
+        photo.mask = mask_from_alpha(alpha);
+    }
     photo.exif = read_exif_block(handle.get());
     return photo;
 }

@@ -14,12 +14,13 @@ namespace psfm {
 
 struct HeifPhoto {
     cv::Mat colour;                  ///< 8-bit BGR
+    cv::Mat mask;                    ///< 8-bit: 0 where it is transparent; empty: nowhere
     std::vector<std::uint8_t> exif;  ///< TIFF structure, or empty
 };
 
-/// The primary picture of a HEIF file. Its rotation and mirroring are part of the picture (ISO
-/// 23008-12, 6.5.10: derived by every reader), so they are applied, and EXIF's orientation then
-/// counts for nothing.
+/// The primary picture of a HEIF or AVIF file. Its rotation and mirroring are part of the picture
+/// (ISO 23008-12, 6.5.10: derived by every reader), so they are applied, and EXIF's orientation
+/// then counts for nothing.
 /// @param max_pixels checked before pixels are decoded
 /// @errors kUnreadable; the message is a reason and remedy without the file's name
 /// Thread-safe.

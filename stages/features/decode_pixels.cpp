@@ -4,7 +4,10 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
+
+#include "stages/features/photo_mask.h"
 
 namespace psfm {
 namespace {
@@ -28,20 +31,36 @@ cv::Mat scale_to_8_bits(const cv::Mat& deep) {
     return result;
 }
 
-Result<cv::Mat> decode_pixels(std::span<const std::uint8_t> bytes, PhotoFormat format) {
+Result<DecodedPixels> decode_pixels(std::span<const std::uint8_t> bytes, PhotoFormat format) {
     // OpenCV wants a mutable pointer but only reads.
     const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
                          const_cast<std::uint8_t*>(bytes.data()));
-    cv::Mat pixels;
+    // As they are, where they may hold transparency; that never turns by EXIF's orientation.
+    const bool may_be_transparent =
+        format == PhotoFormat::kPng || format == PhotoFormat::kTiff || format == PhotoFormat::kWebp;
+    DecodedPixels decoded;
+    cv::Mat& pixels = decoded.colour;
     try {
-        pixels = cv::imdecode(
-            buffer, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+        if (may_be_transparent) pixels = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+        const bool is_simple = pixels.depth() == CV_8U || pixels.depth() == CV_16U;
+        if (is_simple && pixels.channels() == 4) {
+            cv::Mat alpha;
+            cv::extractChannel(pixels, alpha, 3);
+            decoded.mask = mask_from_alpha(alpha);
+            cv::cvtColor(pixels, pixels, cv::COLOR_BGRA2BGR);
+        } else if (!is_simple || pixels.channels() != 3) {
+            pixels = cv::imdecode(
+                buffer, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+        }
     } catch (const cv::Exception&) {
         return undecodable(format);
     }
     if (pixels.empty() || pixels.channels() != 3) return undecodable(format);
-    if (pixels.depth() == CV_8U) return pixels;
-    if (pixels.depth() == CV_16U) return scale_to_8_bits(pixels);
+    if (pixels.depth() == CV_8U) return decoded;
+    if (pixels.depth() == CV_16U) {
+        pixels = scale_to_8_bits(pixels);
+        return decoded;
+    }
     return Error{
         ErrorCode::kUnreadable,
         "has floating-point or signed pixels; export it as 8- or 16-bit TIFF, PNG or JPEG"};

@@ -11,13 +11,18 @@
 
 namespace psfm {
 
-/// Pixels of any format but HEIF, through OpenCV: 8-bit BGR on the stored pixel grid, EXIF
-/// orientation not applied, transparency dropped. 10- to 16-bit images are scaled by their range:
+struct DecodedPixels {
+    cv::Mat colour;  ///< 8-bit BGR
+    cv::Mat mask;    ///< 8-bit: 0 where it is transparent (mask_from_alpha); empty: nowhere
+};
+
+/// Pixels of any format but HEIF, through OpenCV, on the stored pixel grid, EXIF orientation not
+/// applied. 10- to 16-bit images are scaled by their range:
 /// the smallest of 10, 12, 14 and 16 bits that holds the largest value, since many writers leave
 /// the upper bits of 16 unused.
 /// @errors kUnreadable; the message is a reason and remedy without the file's name
 /// Thread-safe.
-Result<cv::Mat> decode_pixels(std::span<const std::uint8_t> bytes, PhotoFormat format);
+Result<DecodedPixels> decode_pixels(std::span<const std::uint8_t> bytes, PhotoFormat format);
 
 /// 16-bit values to 8 bits as decode_pixels() does. REQUIRES: depth CV_16U.
 cv::Mat scale_to_8_bits(const cv::Mat& deep);

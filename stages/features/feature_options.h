@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 
 #include "graph/result.h"
 
@@ -67,6 +68,9 @@ struct FeatureOptions {
     SiftOptions sift;
     /// Source: CIPA DCG-001; sceaux is 1.4 % off by it, 5.3 % by the long side (real_photos_test).
     FilmEquivalent film_equivalent = FilmEquivalent::kDiagonal;
+    /// Folder of masks (find_mask): no feature has its centre under one. Empty: none. Whatever a
+    /// photograph says of its own transparency counts in any case.
+    std::filesystem::path masks = {};
 };
 
 /// @errors kInvalidArgument, naming the field and its range

@@ -11,6 +11,10 @@ namespace psfm {
 struct PhotoFile {
     std::filesystem::path path;  ///< what to open
     std::string name;  ///< relative to the photograph folder, '/' between parts; what people see
+    /// What it is called there, where the session has it under another name; empty: the same.
+    std::string name_in_folder = {};
+
+    const std::string& listed_as() const { return name_in_folder.empty() ? name : name_in_folder; }
 };
 
 }  // namespace psfm

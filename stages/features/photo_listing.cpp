@@ -16,12 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using std::string_view_literals::operator""sv;
 
-constexpr std::array kExtensions{"jpg"sv, "jpeg"sv, "png"sv,  "tif"sv, "tiff"sv, "webp"sv,
-                                 "bmp"sv, "heic"sv, "heif"sv, "jp2"sv, "pgm"sv,  "ppm"sv};
-
-char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
+constexpr std::array kExtensions{".jpg"sv, ".jpeg"sv, ".jpe"sv,  ".jfif"sv, ".mpo"sv,  ".png"sv,
+                                 ".tif"sv, ".tiff"sv, ".webp"sv, ".bmp"sv,  ".heic"sv, ".heif"sv,
+                                 ".hif"sv, ".avif"sv, ".jp2"sv,  ".pgm"sv,  ".ppm"sv,  ".pnm"sv};
 
 /// A folder that is still to be listed; `prefix` is its name with a '/' at the end, or empty.
 struct Folder {
@@ -49,7 +46,11 @@ void take_entry(const fs::directory_entry& entry, const std::string& prefix, Pho
         pending.push_back({entry.path(), name + "/"});
         return;
     }
-    if (!has_photo_extension(base)) return;
+    if (!has_photo_extension(base)) {
+        const auto kind = unread_kind(base);
+        if (kind && fs::is_regular_file(target)) ++listing.unread[*kind][extension_of(base)];
+        return;
+    }
     if (!is_valid_utf8(name) || has_control_characters(name)) {
         return reject(listing, name, "has a name with bytes that cannot be shown; rename it");
     }
@@ -102,7 +103,9 @@ Result<PhotoListing> walk(const fs::path& root) {
     if (!listing.photos.empty()) return listing;
 
     std::string reason =
-        "holds no photographs; put some into it (jpg, png, tif, webp, bmp, heic, jp2, pgm or ppm)";
+        "holds no photographs; put some into it (jpg, png, tif, webp, bmp, heic, avif, jp2, pgm or "
+        "ppm)";
+    for (const std::string& line : describe(listing.unread)) reason += "; " + line;
     if (!listing.rejected.empty()) {
         reason += "; " + std::to_string(listing.rejected.size()) +
                   " rejected, the first: " + listing.rejected.front().name + " " +
@@ -114,12 +117,7 @@ Result<PhotoListing> walk(const fs::path& root) {
 }  // namespace
 
 bool has_photo_extension(std::string_view name) {
-    const std::size_t dot = name.rfind('.');
-    if (dot == std::string_view::npos || dot == 0) return false;
-    const std::string_view extension = name.substr(dot + 1);
-    return std::ranges::any_of(kExtensions, [&](std::string_view known) {
-        return std::ranges::equal(extension, known, {}, lower);
-    });
+    return std::ranges::find(kExtensions, extension_of(name)) != kExtensions.end();
 }
 
 Result<PhotoListing> list_photos(const fs::path& folder) {

@@ -9,6 +9,7 @@
 
 #include "graph/result.h"
 #include "stages/features/photo_file.h"
+#include "stages/features/unread_files.h"
 
 namespace psfm {
 
@@ -21,14 +22,17 @@ struct RejectedPath {
 struct PhotoListing {
     std::vector<PhotoFile> photos;       ///< ascending by the bytes of their names
     std::vector<RejectedPath> rejected;  ///< likewise
+    UnreadFiles unread;                  ///< look like photographs or videos, and are not read
 };
 
-/// Whether a file name has the extension of a photograph, in any case: jpg jpeg png tif tiff webp
-/// bmp heic heif jp2 pgm ppm.
+/// Whether a file name has the extension of a photograph, in any case: jpg jpeg jpe jfif mpo png
+/// tif tiff webp bmp heic heif hif avif jp2 pgm ppm pnm. Of the pictures in an MPO file the first
+/// one is read.
 bool has_photo_extension(std::string_view name);
 
-/// Photographs in a folder and the folders below it. Names that begin with a dot and files of other
-/// kinds are passed over in silence. Links to files are followed wherever they lead (a folder of
+/// Photographs in a folder and the folders below it. Names that begin with a dot and files that
+/// are no pictures are passed over in silence; raw photographs, videos and pictures of formats that
+/// are not read are counted. Links to files are followed wherever they lead (a folder of
 /// links is a usual way to make a selection); links to folders are rejected, not followed, so that
 /// the walk stays inside the folder and ends. Names that are no UTF-8 or hold control characters
 /// are rejected, as are links that lead nowhere, pipes and devices named as photographs, and

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -72,8 +73,8 @@ Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::u
 
     // Some files (in /proc, on network disks) are longer than they say: read until the end.
     constexpr std::size_t kStep = std::size_t{1} << 20U;
-    const std::string too_long = "is longer than " + std::to_string(max_bytes >> 20U) +
-                                 " MiB; reduce it, or raise max_file_mib";
+    const std::string too_long =
+        "is longer than " + std::to_string(max_bytes >> 20U) + " MiB; reduce it";
     if (status.st_size > 0 && static_cast<std::uint64_t>(status.st_size) > max_bytes) {
         return unreadable(photo, too_long);
     }
@@ -94,6 +95,12 @@ Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::u
     bytes.resize(used);
     if (bytes.empty()) return unreadable(photo, "is empty (0 bytes); copy the file again");
     return bytes;
+}
+
+Result<std::uint64_t> content_hash_of(const PhotoFile& photo, std::uint64_t max_bytes) {
+    const auto bytes = read_file_bytes(photo, max_bytes);
+    if (!bytes) return bytes.error();
+    return std::uint64_t{XXH64(bytes->data(), bytes->size(), 0)};
 }
 
 }  // namespace psfm

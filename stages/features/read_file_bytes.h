@@ -16,4 +16,7 @@ namespace psfm {
 /// Thread-safe.
 Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::uint64_t max_bytes);
 
+/// The content_hash of a photograph (PhotoMetadata) by itself. @errors as above. Thread-safe.
+Result<std::uint64_t> content_hash_of(const PhotoFile& photo, std::uint64_t max_bytes);
+
 }  // namespace psfm

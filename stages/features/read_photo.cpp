@@ -12,6 +12,7 @@
 
 #include "stages/features/decode_heif.h"
 #include "stages/features/decode_pixels.h"
+#include "stages/features/jpeg_completeness.h"
 #include "stages/features/read_file_bytes.h"
 #include "stages/features/text.h"
 
@@ -39,7 +40,7 @@ std::optional<std::string> size_fault(const PhotoSize& size, const ReadPhotoOpti
         char text[96];
         std::snprintf(text, sizeof text, " pixels, %.1f megapixels): the limit is %g megapixels",
                       megapixels, options.max_megapixels);
-        return "is too large (" + size_text(size) + text + "; reduce it, or raise max_megapixels";
+        return "is too large (" + size_text(size) + text + "; reduce it";
     }
     return std::nullopt;
 }
@@ -55,17 +56,26 @@ Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& 
     Result<std::vector<std::uint8_t>> read =
         read_file_bytes(photo, std::uint64_t{options.max_file_mib} << 20U);
     if (!read) return read.error();
-    const std::vector<std::uint8_t>& bytes = *read;
+    std::vector<std::uint8_t>& bytes = *read;
 
     const std::optional<PhotoFormat> format = identify_format(bytes);
     if (!format) {
         return unreadable(photo, "is not an image: its first bytes are \"" + first_bytes(bytes) +
                                      "\"; remove it, or export it as JPEG or PNG");
     }
-    const PhotoContainer container = parse_container(*format, bytes);
+    PhotoContainer container = parse_container(*format, bytes);
     if (container.size) {
         if (const auto fault = size_fault(*container.size, options))
             return unreadable(photo, *fault);
+    }
+    DecodedPhoto result;
+    result.format = *format;
+    result.content_hash = XXH64(bytes.data(), bytes.size(), 0);
+    if (container.truncated && *format == PhotoFormat::kJpeg && mend_jpeg_end(bytes)) {
+        result.remarks.push_back(printable(photo.name) +
+                                 ": lacks the marker at its end, but all of its picture is there, "
+                                 "and it is read; copy the file again if there is a better one");
+        container = parse_container(*format, bytes);  // views into bytes that may have moved
     }
     if (container.truncated) {
         return unreadable(photo, "truncated: " + std::to_string(bytes.size()) + " bytes, " +
@@ -73,18 +83,17 @@ Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& 
                                      " ends in the middle; copy the file again");
     }
 
-    DecodedPhoto result;
-    result.format = *format;
-    result.content_hash = XXH64(bytes.data(), bytes.size(), 0);
     if (*format == PhotoFormat::kHeif) {
         Result<HeifPhoto> heif = decode_heif(bytes, options.max_megapixels * 1e6);
         if (!heif) return unreadable(photo, heif.error().message);
         result.colour = heif->colour;
+        result.mask = heif->mask;
         result.exif = read_exif(heif->exif);
     } else {
-        Result<cv::Mat> pixels = decode_pixels(bytes, *format);
+        Result<DecodedPixels> pixels = decode_pixels(bytes, *format);
         if (!pixels) return unreadable(photo, pixels.error().message);
-        result.colour = *pixels;
+        result.colour = pixels->colour;
+        result.mask = pixels->mask;
         result.exif = read_exif(container.exif);
     }
     // Again: not every header told the size.

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
 
 #include "graph/result.h"
 #include "stages/features/feature_options.h"
@@ -17,12 +19,17 @@ namespace psfm {
 struct DecodedPhoto {
     cv::Mat colour;  ///< 8-bit BGR on the stored pixel grid (EXIF orientation not applied)
     cv::Mat grey;    ///< 8-bit, ITU-R BT.601 luma
+    cv::Mat mask;    ///< 8-bit: 0 where the photograph is transparent; empty: nowhere
     std::uint64_t content_hash = 0;  ///< xxHash64, seed 0, of the file's bytes
     ExifTags exif;                   ///< empty when there are none
     PhotoFormat format = PhotoFormat::kJpeg;
+    /// What is wrong with a file that was read all the same, for people: one line each, which names
+    /// the photograph.
+    std::vector<std::string> remarks = {};
 };
 
-/// Reads, checks, hashes and decodes one photograph.
+/// Reads, checks, hashes and decodes one photograph. A JPEG that lacks only its end marker is read,
+/// with a remark.
 /// @errors kIo: cannot be read; kUnreadable: is no image, is truncated or damaged, is smaller or
 ///         larger than the options allow; one line that names the photograph and the remedy
 /// Thread-safe.

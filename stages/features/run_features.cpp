@@ -4,11 +4,14 @@
 
 #include <exception>
 #include <new>
+#include <opencv2/core.hpp>
 #include <string>
 #include <utility>
 
 #include "stages/features/extract_sift.h"
 #include "stages/features/focal_prior.h"
+#include "stages/features/photo_mask.h"
+#include "stages/features/picture_signature.h"
 #include "stages/features/read_photo.h"
 #include "stages/features/text.h"
 
@@ -34,17 +37,48 @@ PhotoMetadata make_metadata(const DecodedPhoto& photo, FilmEquivalent film) {
     return metadata;
 }
 
+/// Adds what a mask file hides, if there is one, to what the photograph itself does.
+Result<void> apply_mask_file(const PhotoFile& photo, const std::filesystem::path& masks,
+                             const PhotoMetadata& metadata, cv::Mat& mask, std::uint64_t& hash) {
+    if (masks.empty()) return {};
+    const auto file = find_mask(masks, photo);
+    if (!file) return {};
+    const auto read =
+        read_mask(*file, {static_cast<int>(metadata.width), static_cast<int>(metadata.height)},
+                  metadata.orientation);
+    // Whatever is wrong with a mask, it may be put right while the photograph stays as it is.
+    if (!read) return Error{ErrorCode::kIo, printable(photo.name) + ": " + read.error().message};
+    hash = read->hash;
+    if (mask.empty())
+        mask = read->visible;
+    else
+        cv::bitwise_and(mask, read->visible, mask);
+    return {};
+}
+
 Result<ExtractedPhoto> extract(const PhotoFile& photo, const FeatureOptions& options) {
     if (Result<void> valid = validate(options); !valid) return valid.error();
     Result<DecodedPhoto> decoded = read_photo(photo, options.read);
     if (!decoded) return decoded.error();
-    Result<SiftFeatures> features = extract_sift(decoded->grey, decoded->colour, options.sift);
+    PhotoMetadata metadata = make_metadata(*decoded, options.film_equivalent);
+    std::uint64_t mask_hash = 0;
+    if (Result<void> masked =
+            apply_mask_file(photo, options.masks, metadata, (*decoded).mask, mask_hash);
+        !masked)
+        return masked.error();
+    Result<SiftFeatures> features =
+        extract_sift(decoded->grey, decoded->colour, options.sift, decoded->mask);
     if (!features) {
         return Error{features.error().code,
                      printable(photo.name) + ": " + features.error().message};
     }
-    return ExtractedPhoto{make_metadata(*decoded, options.film_equivalent),
-                          std::move(features->keypoints), std::move(features->descriptors)};
+    auto signature = picture_signature(decoded->grey, metadata.orientation);
+    return ExtractedPhoto{std::move(metadata),
+                          std::move(features->keypoints),
+                          std::move(features->descriptors),
+                          std::move(decoded->remarks),
+                          std::move(signature),
+                          mask_hash};
 }
 
 }  // namespace

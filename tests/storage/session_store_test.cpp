@@ -111,6 +111,86 @@ TEST(SessionStore, RemembersRejectedPhotographsUntilTheyAreAccepted) {
     EXPECT_EQ((*rejected)[1].content_hash, 5U);
 }
 
+TEST(SessionStore, KnowsWhereImagesCameFromAndFollowsTheirFiles) {
+    const TemporaryFolder folder;
+    const ImageSource source{{"/photos", 1234, 5678}, {1, 2, 3}, 99, false};
+    {
+        const auto store = open(folder);
+        ASSERT_TRUE(store
+                        ->commit_image(testing::expected_image(0), testing::expected_camera(),
+                                       testing::expected_keypoints(0),
+                                       testing::expected_descriptors(0), source)
+                        .ok());
+        ASSERT_TRUE(accept(*store, 1)) << "nothing is known of this one";
+        ASSERT_TRUE(store->commit_rejected({"moved/a.jpg", "is a copy", 5, 0}).ok());
+        SourcedImage moved{testing::expected_image(0), source};
+        moved.image.name = "moved/a.jpg";
+        moved.source.file.size = 77;
+        ASSERT_TRUE(store->commit_files({moved}).ok());
+        moved.image.id = ImageId{9};
+        EXPECT_FALSE(store->commit_files({moved}).ok()) << "no such image";
+    }
+    const auto store = open(folder);
+    EXPECT_EQ(store->images()->at(0).name, "moved/a.jpg");
+    EXPECT_EQ(store->images()->at(0).metadata, testing::expected_image(0).metadata);
+    const auto sources = store->image_sources();
+    ASSERT_EQ(sources->size(), 2U);
+    ImageSource expected = source;
+    expected.file.size = 77;
+    EXPECT_EQ(sources->at(0), expected);
+    EXPECT_EQ(sources->at(1), ImageSource{});
+    EXPECT_TRUE(store->rejected()->empty());
+}
+
+TEST(SessionStore, ImagesThatAreTakenOutLeaveNothingThatIsUsed) {
+    const TemporaryFolder folder;
+    const ImageId removed{2};
+    {
+        const auto store = open(folder);
+        for (std::uint32_t image = 0; image < 6; ++image)
+            ASSERT_TRUE(testing::commit_all(*store, image));
+        StoredRemoval removal;
+        removal.images.push_back({testing::expected_image(2), {}});
+        removal.images.back().source.removed = true;
+        removal.pairs[removed] = {};
+        for (std::uint32_t image = 3; image < 6; ++image) {
+            auto pairs = testing::expected_pairs(image);
+            std::erase_if(pairs, [&](const auto& pair) { return pair->pair.first == removed; });
+            removal.pairs[ImageId{image}] = pairs;
+        }
+        removal.rejected.push_back({testing::expected_image(2).name, "was taken out", 7});
+        StoredCluster others = store->clusters()->front();
+        const ClusterId former = others.id;
+        others = {*store->next_cluster_id(),
+                  {ImageId{0}, ImageId{1}, ImageId{3}, ImageId{4}, ImageId{5}},
+                  1};
+        StoredCluster alone = others;
+        alone.id = ClusterId{index_of(others.id) + 1};
+        alone.members = {removed};
+        removal.edit = {{others, alone}, {former}};
+        ASSERT_TRUE(store->commit_removal(removal).ok());
+    }
+    const auto store = open(folder);
+    EXPECT_TRUE(store->image_sources()->at(2).removed);
+    EXPECT_FALSE(store->image_sources()->at(3).removed);
+    EXPECT_EQ((*store->descriptors(removed))->rows(), 0U);
+    EXPECT_EQ((*store->keypoints(removed))->size(), testing::expected_keypoints(2).size());
+    for (std::uint32_t image = 0; image < 6; ++image) {
+        const auto pairs = store->pairs_of(ImageId{image});
+        ASSERT_TRUE(pairs.ok());
+        for (const auto& pair : *pairs) {
+            EXPECT_NE(pair->pair.first, removed);
+            EXPECT_NE(pair->pair.second, removed);
+        }
+    }
+    EXPECT_EQ(store->clusters()->size(), 2U);
+    EXPECT_EQ(store->rejected()->front().reason, "was taken out");
+    EXPECT_EQ(store->intact_images()->removed, std::set<ImageId>{removed});
+    EXPECT_TRUE(store->check({})->damaged.empty());
+    EXPECT_TRUE(store->forget_rejected({testing::expected_image(2).name}).ok());
+    EXPECT_TRUE(store->rejected()->empty());
+}
+
 TEST(SessionStore, AVersionBringsTheClustersThatItChanged) {
     const TemporaryFolder folder;
     StoredCluster adopting;

@@ -20,6 +20,7 @@ void add_import_command(CLI::App& app, int& exit_code);
 void add_status_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);
 void add_repair_command(CLI::App& app, int& exit_code);
+void add_remove_command(CLI::App& app, int& exit_code);
 void add_compact_command(CLI::App& app, int& exit_code);
 void add_options_command(CLI::App& app, int& exit_code);
 void add_vocabulary_command(CLI::App& app, int& exit_code);

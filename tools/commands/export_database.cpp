@@ -38,6 +38,7 @@ struct Totals {
 
 struct Contents {
     std::vector<Image> images;
+    std::vector<ImageSource> sources;  ///< beside them
     std::map<CameraId, Camera> cameras;
 };
 
@@ -48,6 +49,7 @@ std::optional<Failure> write_images(const SessionReader& session, const Contents
     }
     CountLine line(" images written", contents.images.size());
     for (const Image& image : contents.images) {
+        if (contents.sources[index_of(image.id)].removed) continue;
         const auto keypoints = session.keypoints(image.id);
         if (!keypoints) return of_session(keypoints.error());
         const auto descriptors = session.descriptors(image.id);
@@ -137,7 +139,9 @@ int export_database(const std::string& session, const std::filesystem::path& fol
                                                        ": the session has no images yet; `psfm "
                                                        "status` says what it has seen"});
     }
-    const Contents contents{*std::move(images), *std::move(cameras)};
+    auto sources = (*reader)->image_sources();
+    if (!sources) return report_error(sources.error());
+    const Contents contents{*std::move(images), *std::move(sources), *std::move(cameras)};
     const std::filesystem::path file = folder / "database.db";
     Totals totals;
     if (const auto failure = write_database(**reader, contents, file, totals)) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <random>
+#include <string_view>
 #include <utility>
 
 #include "storage/exchange/image_name.h"
@@ -22,6 +23,13 @@ bool next_line(std::istream& stream, std::string& line) {
         line.push_back(c);
     }
     return !line.empty();
+}
+
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
+
+/// A mark of UTF-16, as Windows' editors write for "Unicode".
+bool is_utf16(std::string_view line) {
+    return line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF");
 }
 
 }  // namespace
@@ -43,6 +51,11 @@ Result<std::vector<std::string>> read_order_file(const std::filesystem::path& fi
     std::set<std::string> seen;
     std::string line;
     for (std::size_t number = 1; next_line(stream, line); ++number) {
+        if (number == 1 && is_utf16(line)) {
+            return Error{ErrorCode::kInvalidArgument,
+                         "the order file " + file.string() + " is UTF-16; save it as UTF-8"};
+        }
+        if (number == 1 && line.starts_with(kUtf8Mark)) line.erase(0, kUtf8Mark.size());
         if (!line.empty() && line.back() == '\r') line.pop_back();
         if (line.empty()) continue;
         std::string where = file.string();

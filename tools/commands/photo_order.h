@@ -17,11 +17,11 @@ namespace psfm {
 /// back with mt19937_64(SEED)() modulo (i + 1), so that any program can repeat it.
 std::vector<std::string> shuffled_names(std::vector<std::string> names, std::uint64_t seed);
 
-/// The names of an order file: one a line; empty lines are skipped, a carriage return at the end is
-/// removed.
-/// @errors kNotFound, kInvalidArgument (a name twice, a name that no photograph of a session has:
-/// an absolute path, one with "..", control characters, no UTF-8, beyond 4096 bytes; no name at
-/// all)
+/// The names of an order file: one a line; empty lines are skipped, a carriage return at the end
+/// and a byte order mark at the beginning are removed.
+/// @errors kNotFound, kInvalidArgument (UTF-16; a name twice, a name that no photograph of a
+/// session has: an absolute path, one with "..", control characters, no UTF-8, beyond 4096 bytes;
+/// no name at all)
 Result<std::vector<std::string>> read_order_file(const std::filesystem::path& file);
 
 /// Photographs as an order says, and only those that it names.

@@ -81,6 +81,9 @@ void Progress::on_publish(const PublishMessage& publish) {
                 ++done_;
                 say("rejected " + event.text);  // which names the photograph
                 break;
+            case SessionEvent::Kind::kRemark:
+                say("note " + event.text);
+                break;
             case SessionEvent::Kind::kReset:
                 say("reset: " + event.text);
                 break;

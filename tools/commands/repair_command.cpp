@@ -104,7 +104,8 @@ Result<std::vector<PhotoFile>> photos_to_accept(const SessionReader& damaged,
     arriving.reserve(request.config.order.size());
     for (const std::string& name : request.config.order) arriving.push_back(photo_of(name));
     if (arriving.empty()) {
-        if (auto listed = photos_by_name(request); listed.ok()) arriving = *std::move(listed);
+        if (auto listed = photos_by_name(request); listed.ok())
+            arriving = std::move(listed->photos);
     }
     std::erase_if(arriving, [&](const PhotoFile& photo) { return known.contains(photo.name); });
 
@@ -113,12 +114,31 @@ Result<std::vector<PhotoFile>> photos_to_accept(const SessionReader& damaged,
     auto unknown = arriving.begin();
     for (std::uint32_t id = 0; id < intact.count; ++id) {
         if (image != intact.images.end() && index_of(image->id) == id) {
-            photos.push_back(photo_of((image++)->name));
+            const bool is_removed = intact.removed.contains(image->id);
+            if (!is_removed) photos.push_back(photo_of(image->name));
+            ++image;
         } else if (unknown != arriving.end()) {
             photos.push_back(*unknown++);
         }
     }
     return photos;
+}
+
+/// What was taken out of the damaged session stays out of the new one.
+Result<void> keep_out(const SessionReader& damaged, const IntactImages& intact,
+                      SessionStore& repaired) {
+    if (intact.removed.empty()) return {};
+    std::set<std::string> names;
+    for (const Image& image : intact.images) {
+        if (intact.removed.contains(image.id)) names.insert(image.name);
+    }
+    const auto rejected = damaged.rejected();
+    if (!rejected.ok()) return {};  // damaged: they may come in again
+    for (const RejectedPhoto& photo : *rejected) {
+        if (!names.contains(photo.name)) continue;
+        if (auto stored = repaired.commit_rejected(photo); !stored.ok()) return stored;
+    }
+    return {};
 }
 
 /// Says what was taken over, and names what could not be recomputed. @return images lost
@@ -137,10 +157,11 @@ std::size_t tell_outcome(const Salvage& salvage, const IntactImages& intact,
         for (const RejectedPhoto& photo : *rejected) reasons[photo.name] = photo.reason;
     }
     for (const Image& image : intact.images) {
-        if (!there.contains(image.name))
+        if (!there.contains(image.name) && !intact.removed.contains(image.id))
             std::cout << "LOST " << image.name << ": " << reasons[image.name] << '\n';
     }
-    return intact.count - std::min<std::size_t>(intact.count, there.size());
+    const std::size_t wanted = intact.count - intact.removed.size();
+    return wanted - std::min(wanted, there.size());
 }
 
 Result<void> change_names(const Folders& folders) {
@@ -184,6 +205,8 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     Salvage salvage;
     salvage.session = patient.reader.get();
     salvage.images = intact->images;
+    std::erase_if(salvage.images,
+                  [&](const Image& image) { return intact->removed.contains(image.id); });
     request.salvage = &salvage;
 
     std::size_t lost = 0;
@@ -191,6 +214,8 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
         auto store = SessionStore::open(folders.repaired, {});
         if (!store.ok()) return report_error(store.error());
         if (const auto done = (*store)->put_settings(*settings); !done.ok())
+            return report_error(done.error());
+        if (const auto done = keep_out(*patient.reader, *intact, **store); !done.ok())
             return report_error(done.error());
         if (const int code = run_and_report(**store, request); code != 0) return code;
         lost = tell_outcome(salvage, *intact, **store);

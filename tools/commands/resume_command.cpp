@@ -27,24 +27,29 @@ struct ResumeArguments {
 
 /// What is there of the photographs that the session began with. Those that it has need not be:
 /// without the others it goes on, too.
-Result<std::vector<PhotoFile>> photos_left(const SessionReader& store, const RunRequest& request) {
+Result<FoundPhotos> photos_left(const SessionReader& store, const RunRequest& request) {
     auto known = known_names(store);
     if (!known.ok()) return known.error();
     auto photos = photos_by_name(request);
     if (!photos.ok()) {
         if (known->empty() || !request.config.colmap_database.empty()) return photos;
         std::cerr << "psfm: " << photos.error().message << "; going on with what the session has\n";
-        return std::vector<PhotoFile>();
+        return FoundPhotos();
     }
     std::size_t gone = 0;
     for (const std::string& name : request.config.order) {
-        const bool is_there = std::ranges::binary_search(*photos, name, {}, &PhotoFile::name);
+        const bool is_there =
+            std::ranges::binary_search(photos->photos, name, {}, &PhotoFile::name);
         if (is_there || !known->insert(name).second) continue;
         if (gone++ == 0) std::cerr << "psfm: " << request.input.string() << " lacks " << name;
     }
     if (gone > 1) std::cerr << " and " << gone - 1 << " more";
     if (gone > 0) std::cerr << " of the session's order; going on without\n";
-    return photos_in_order(*std::move(photos), request.config.order, *known, request.input);
+    auto ordered =
+        photos_in_order(std::move(photos->photos), request.config.order, *known, request.input);
+    if (!ordered.ok()) return ordered.error();
+    (*photos).photos = *std::move(ordered);
+    return photos;
 }
 
 int resume(const ResumeArguments& arguments) {
@@ -67,7 +72,10 @@ int resume(const ResumeArguments& arguments) {
     request.go_on_command = command_line("resume", request.session);
     auto photos = photos_left(**store, request);
     if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
-    request.photos = *std::move(photos);
+    request.photos = std::move(photos->photos);
+    request.unread = std::move(photos->unread);
+    if (const auto done = compare_photos(request, **store, false); !done.ok())
+        return report_error(done.error(), ErrorOrigin::kOtherInput);
     request.execution.threads = arguments.threads;
     request.execution.idle_bytes = idle_bytes(store_options);
     request.log_file = arguments.log;

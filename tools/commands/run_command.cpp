@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "stages/features/assign_camera.h"
+#include "stages/features/masks_beside_photos.h"
 #include "stages/features/photo_listing.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/given_cameras.h"
@@ -22,23 +23,28 @@ struct RunArguments {
     std::string cameras;
     std::string sharing = "auto";
     std::string vocabulary;
+    std::string masks;
     bool watch = false;
 };
 
-Result<std::vector<std::string>> photo_names(const std::string& folder) {
-    const auto listing = list_photos(folder);
+Result<std::vector<std::string>> photo_names(const std::string& folder, const std::string& masks) {
+    auto listing = list_photos(folder);
     if (!listing.ok()) return listing.error();
+    set_masks_aside((*listing).photos, masks);
     std::vector<std::string> names;
     for (const PhotoFile& photo : listing->photos) names.push_back(photo.name);
     return names;
 }
 
 Result<SessionConfig> config_from(const RunArguments& arguments) {
-    auto config = config_from(arguments.session, [&] { return photo_names(arguments.photos); });
+    auto config = config_from(arguments.session,
+                              [&] { return photo_names(arguments.photos, arguments.masks); });
     if (!config.ok()) return config.error();
     config->camera_sharing = *camera_sharing_from_name(arguments.sharing);
     if (!arguments.vocabulary.empty())
         config->vocabulary_file = std::filesystem::absolute(arguments.vocabulary).string();
+    if (!arguments.masks.empty())
+        config->masks = std::filesystem::absolute(arguments.masks).lexically_normal().string();
     if (!arguments.cameras.empty()) {
         auto cameras = read_given_cameras(arguments.cameras);
         if (!cameras.ok()) return cameras.error();
@@ -56,6 +62,10 @@ int run(const CLI::App& command, const RunArguments& arguments) {
             {ErrorCode::kNotFound,
              arguments.photos + ": there is no such folder; make it, then watch it"},
             ErrorOrigin::kOtherInput);
+    }
+    if (!arguments.masks.empty()) {
+        const auto masks = match_masks(arguments.masks, {});
+        if (!masks.ok()) return report_error(masks.error(), ErrorOrigin::kOtherInput);
     }
     return start_session(command, arguments.session, arguments.photos, *std::move(config),
                          arguments.watch);
@@ -79,6 +89,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
                      "Which photographs share intrinsics: auto (equal make, model, size and focal "
                      "length in EXIF), image, folder, all")
         ->check(CLI::IsMember({"auto", "image", "folder", "all"}));
+    command
+        ->add_option("--masks", arguments->masks,
+                     "Folder of masks: of a.jpg a.jpg.png, a_mask.png or a.png, black where no "
+                     "feature is to be; kept with the session")
+        ->type_name("DIR");
     command->add_option("--vocabulary", arguments->vocabulary,
                         "Vocabulary made by `psfm vocabulary train`; without one it is trained "
                         "from the session's own images above 100");

@@ -50,6 +50,7 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
     asked.options = begun.options;
     if (!is_given(command, "--history")) asked.history = begun.history;
     if (!is_given(command, "--memory")) asked.memory_mib = begun.memory_mib;
+    if (!is_given(command, "--masks")) asked.masks = begun.masks;
     if (begun.colmap_database != asked.colmap_database) {
         return Error{ErrorCode::kInvalidArgument,
                      begun.colmap_database.empty()
@@ -179,7 +180,8 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
     } else {
         auto photos = photos_by_name(request);
         if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
-        request.photos = *std::move(photos);
+        request.photos = std::move(photos->photos);
+        request.unread = std::move(photos->unread);
     }
     const auto put_in_order = [&](const std::set<std::string>& known) -> Result<void> {
         auto ordered = photos_in_order(request.photos, request.config.order, known, input);
@@ -212,6 +214,9 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
         if (const auto done = put_in_order(*known); !done.ok())
             return report_error(done.error(), ErrorOrigin::kOtherInput);
     }
+    if (const auto done = compare_photos(request, **store, is_given(command, "--masks"));
+        !done.ok())
+        return report_error(done.error(), ErrorOrigin::kOtherInput);
     // All of them, so that the session goes on as it began.
     request.config.options = option_values(*stage_options(request.config));
     request.settings = SessionSettings{std::filesystem::absolute(input).lexically_normal().string(),

@@ -49,6 +49,7 @@ void print_summary(const SessionRun& run, const RunRequest& request) {
     if (counts.rejected > 0)
         std::cout << "; " << counted(counts.rejected, "photograph") << " rejected";
     std::cout << '\n';
+    if (!request.unread.empty()) std::cout << "not taken: " << request.unread << '\n';
     std::map<WaitReason, std::vector<std::string>> by_reason;
     for (const auto& [name, reason] : run.waiting) by_reason[reason].push_back(name);
     for (const auto& [reason, names] : by_reason) {
@@ -65,21 +66,24 @@ void print_summary(const SessionRun& run, const RunRequest& request) {
 
 }  // namespace
 
-Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request) {
-    std::vector<PhotoFile> photos;
+Result<FoundPhotos> photos_by_name(const RunRequest& request) {
+    FoundPhotos found;
     if (!request.config.colmap_database.empty()) {
         const auto database = ColmapDatabase::open(request.input);
         if (!database.ok()) return database.error();
         for (const DatabaseImage& image : (*database)->images())
-            photos.push_back({request.input, image.name});
-        return photos;
+            found.photos.push_back({request.input, image.name});
+        return found;
     }
     auto listing = list_photos(request.input);
     if (!listing.ok()) return listing.error();
     for (const RejectedPath& rejected : listing->rejected) {
         std::cerr << "rejected " << rejected.name << ": " << rejected.reason << '\n';
     }
-    return std::move(listing->photos);
+    for (const std::string& line : describe(listing->unread)) std::cerr << line << '\n';
+    found.photos = std::move(listing->photos);
+    found.unread = describe_briefly(listing->unread);
+    return found;
 }
 
 Result<std::set<std::string>> known_names(const SessionReader& store) {
@@ -87,8 +91,12 @@ Result<std::set<std::string>> known_names(const SessionReader& store) {
     if (!images.ok()) return images.error();
     const auto rejected = store.rejected();
     if (!rejected.ok()) return rejected.error();
+    const auto sources = store.image_sources();
+    if (!sources.ok()) return sources.error();
     std::set<std::string> names;
-    for (const Image& image : *images) names.insert(image.name);
+    for (const Image& image : *images) {
+        if (!(*sources)[index_of(image.id)].removed) names.insert(image.name);
+    }
     for (const RejectedPhoto& photo : *rejected) names.insert(photo.name);
     return names;
 }
@@ -101,18 +109,16 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     std::unique_ptr<PhotoSource> source;
     std::size_t expected = 0;
     if (request.watch) {
-        source = std::make_unique<WatchFolder>(request.input, [](const std::string& line) {
-            const char* over_progress = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
-            std::cerr << over_progress + line + '\n';
-        });
+        source = std::make_unique<WatchFolder>(
+            request.input, request.config.masks, [](const std::string& line) {
+                const char* over_progress = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
+                std::cerr << over_progress + line + '\n';
+            });
     } else {
-        const auto images = store.images();
-        if (!images.ok()) return report_error(images.error());
-        std::set<std::string> accepted;
-        for (const Image& image : *images) accepted.insert(image.name);
+        const auto known = known_names(store);
+        if (!known.ok()) return report_error(known.error());
         expected = static_cast<std::size_t>(std::ranges::count_if(
-            request.photos,
-            [&](const PhotoFile& photo) { return !accepted.contains(photo.name); }));
+            request.photos, [&](const PhotoFile& photo) { return !known->contains(photo.name); }));
         source = std::make_unique<PhotoList>(request.photos);
     }
     std::unique_ptr<EventLog> log;
@@ -120,6 +126,10 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
         auto opened = EventLog::open(request.log_file);
         if (!opened.ok()) return report_error(opened.error(), ErrorOrigin::kOtherInput);
         log = *std::move(opened);
+    }
+    if (!request.moved.empty()) {
+        if (const auto stored = store.commit_files(request.moved); !stored.ok())
+            return report_error(stored.error());
     }
     if (request.settings) {
         if (const auto stored = store.put_settings(*request.settings); !stored.ok())

@@ -20,9 +20,12 @@ struct RunRequest {
     std::filesystem::path input;  ///< folder of photographs, or the COLMAP database
     SessionConfig config;
     ExecutionOptions execution;
-    std::string log_file;                     ///< empty: no log
-    bool watch = false;                       ///< `input` is looked at again and again
-    std::vector<PhotoFile> photos;            ///< else: what takes part, in order of arrival
+    std::string log_file;           ///< empty: no log
+    bool watch = false;             ///< `input` is looked at again and again
+    std::vector<PhotoFile> photos;  ///< else: what takes part, in order of arrival
+    std::vector<SourcedImage>
+        moved;           ///< images whose files are elsewhere by now, stored before anything
+    std::string unread;  ///< describe_briefly() of the folder's other files
     std::optional<SessionSettings> settings;  ///< stored before anything else
     Salvage* salvage = nullptr;               ///< what is taken over from a damaged session
     std::string go_on_command;                ///< what goes on after a Ctrl-C
@@ -33,9 +36,20 @@ inline std::size_t idle_bytes(const StoreOptions& options) {
     return options.cache_bytes / 8;
 }
 
-/// What could take part: the folder's photographs, or the database's images; ascending by name.
-/// Tells of files that cannot.
-Result<std::vector<PhotoFile>> photos_by_name(const RunRequest& request);
+struct FoundPhotos {
+    std::vector<PhotoFile> photos;  ///< ascending by name
+    std::string unread;             ///< see RunRequest
+};
+/// What could take part: the folder's photographs, or the database's images. Tells of files that
+/// cannot.
+Result<FoundPhotos> photos_by_name(const RunRequest& request);
+
+/// Brings what was found in line with what the session has: takes masks out, follows files that
+/// were moved or renamed, puts small copies last, and tells of all that. Changes request.photos and
+/// request.moved, not the session. Nothing happens to a session that was imported.
+/// @param names_masks  the folder of masks was named by this command
+/// @errors kNotFound (folder of masks), those of the store
+Result<void> compare_photos(RunRequest& request, const SessionReader& store, bool names_masks);
 
 /// Names of all photographs that a session has looked at, accepted or not.
 Result<std::set<std::string>> known_names(const SessionReader& store);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "stages/features/masks_beside_photos.h"
 #include "stages/features/photo_listing.h"
 
 namespace psfm {
@@ -27,7 +28,7 @@ PhotoSource::Next WatchFolder::next(PhotoFile& photo) {
 }
 
 void WatchFolder::look() {
-    const auto listing = list_photos(folder_);
+    auto listing = list_photos(folder_);
     if (!listing.ok()) {
         // Still empty, or gone for the moment: what was handed on is still known when it is back.
         std::error_code away;
@@ -40,7 +41,13 @@ void WatchFolder::look() {
     std::set<std::string> lines;
     for (const RejectedPath& rejected : listing->rejected)
         lines.insert("rejected " + rejected.name + ": " + rejected.reason);
+    // Once a kind: the numbers change while files are copied.
+    for (const auto& [kind, extensions] : listing->unread) {
+        for (const auto& [extension, count] : extensions)
+            lines.insert("not taken: files that end with " + extension);
+    }
     tell(std::move(lines));
+    set_masks_aside((*listing).photos, masks_);
 
     std::map<std::string, FileStamp> this_look;
     std::map<std::string, FileStamp> still_there;

@@ -20,10 +20,12 @@ namespace psfm {
 /// not read, and once more when it has changed since: a copy may stall for longer. Never ends.
 class WatchFolder final : public PhotoSource {
   public:
+    /// @param masks  folder of masks, which are no photographs; empty: none
     /// @param tell  is told once, in one line, of each thing in the folder that cannot be a
     /// photograph, and that the folder is not there; called by next()
-    WatchFolder(std::filesystem::path folder, std::function<void(const std::string&)> tell)
-        : folder_(std::move(folder)), tell_(std::move(tell)) {}
+    WatchFolder(std::filesystem::path folder, std::filesystem::path masks,
+                std::function<void(const std::string&)> tell)
+        : folder_(std::move(folder)), masks_(std::move(masks)), tell_(std::move(tell)) {}
     Next next(PhotoFile& photo) override;
 
   private:
@@ -32,6 +34,7 @@ class WatchFolder final : public PhotoSource {
     void tell(std::set<std::string> lines);
 
     std::filesystem::path folder_;
+    std::filesystem::path masks_;
     std::function<void(const std::string&)> tell_;
     std::chrono::steady_clock::time_point next_look_{};
     // By name; of files that are gone nothing is kept: this runs for weeks.

@@ -89,7 +89,8 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
         // An edge may lose its plausibility to a later image.
         if (apart.contains(edge.pair)) {
             edge.state = EdgeState::kApart;
-        } else if (graph_.find(edge.pair.first, edge.pair.second) == nullptr) {
+        } else if (const ViewGraph::Edge* found = graph_.find(edge.pair.first, edge.pair.second);
+                   found == nullptr || found->weight == 0.0) {
             edge.state = EdgeState::kImplausible;
         }
     }

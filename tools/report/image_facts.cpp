@@ -151,6 +151,8 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
     auto images = session.images();
     if (!images) return images.error();
     facts.images = *std::move(images);
+    const auto sources = session.image_sources();
+    if (!sources) return sources.error();
     auto rejected = session.rejected();
     if (!rejected) return rejected.error();
     facts.rejected = *std::move(rejected);
@@ -172,6 +174,11 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
         return placed.error();
     const std::vector<Since> since = memory.since.of(facts.images.size());
     for (std::size_t i = 0; i < since.size(); ++i) facts.facts[i].since = since[i];
+    // Photographs that were taken out are told of among the rejected ones.
+    std::erase_if(facts.facts, [&](const ImageFact& fact) {
+        return index_of(*fact.id) < sources->size() && (*sources)[index_of(*fact.id)].removed;
+    });
+    const auto accepted = static_cast<std::uint32_t>(facts.facts.size());
     for (const RejectedPhoto& photo : facts.rejected) {
         const RejectionWords words = split_rejection(photo.reason);
         ImageFact fact;
@@ -184,7 +191,7 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
     }
     // Images that arrived after the version are waiting, too.
     SessionCounts& counts = facts.summary.counts;
-    counts.images = static_cast<std::uint32_t>(facts.images.size());
+    counts.images = accepted;
     counts.rejected = static_cast<std::uint32_t>(facts.rejected.size());
     counts.waiting = counts.images - std::min(counts.images, counts.placed);
     return facts;

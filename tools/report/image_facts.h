@@ -45,7 +45,7 @@ struct ImageFact {
 struct SessionFacts {
     SessionSettings settings;
     SceneSummary summary;
-    std::vector<Image> images;
+    std::vector<Image> images;  ///< by id, those that were taken out again among them
     std::vector<RejectedPhoto> rejected;
     std::vector<PastVersion> versions;
     Scene scene;

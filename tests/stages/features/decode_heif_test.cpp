@@ -39,6 +39,20 @@ TEST(DecodeHeifTest, ReadsPixelsAndExif) {
     EXPECT_EQ(photo->exif.make, "Heif Maker");
 }
 
+TEST(DecodeHeifTest, ReadsAvif) {
+    const cv::Mat image = testing::textured_image(160, 128);
+    const Bytes bytes = testing::encode_avif(image);
+    if (bytes.empty()) GTEST_SKIP() << "this libheif has no AV1 encoder";
+    const testing::TemporaryFolder folder;
+    const auto photo = read_photo(folder.write("phone.avif", bytes), {});
+    ASSERT_TRUE(photo) << photo.error().message;
+    cv::Mat grey;
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+    ASSERT_EQ(photo->grey.size(), grey.size());
+    EXPECT_LT(cv::norm(photo->grey, grey, cv::NORM_L1) / static_cast<double>(grey.total()), 4.0);
+    EXPECT_TRUE(photo->mask.empty());
+}
+
 TEST(DecodeHeifTest, RefusesDamageAndSize) {
     Bytes bytes = encode_heif(testing::textured_image(160, 128), {});
     if (bytes.empty()) GTEST_SKIP() << "this libheif has no HEVC encoder";

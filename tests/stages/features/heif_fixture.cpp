@@ -22,15 +22,16 @@ heif_error append(heif_context*, const void* data, std::size_t size, void* targe
 
 }  // namespace
 
-Bytes encode_heif(const cv::Mat& bgr, const Bytes& exif) {
+namespace {
+
+Bytes encode_with(heif_compression_format format, const cv::Mat& bgr, const Bytes& exif) {
 #ifdef __SANITIZE_ADDRESS__
     const __lsan::ScopedDisabler known_leak;  // in x265's encoder, which only this test uses
 #endif
     heif_context* context = heif_context_alloc();
     heif_encoder* encoder = nullptr;
     Bytes bytes;
-    if (heif_context_get_encoder_for_format(context, heif_compression_HEVC, &encoder).code ==
-        heif_error_Ok) {
+    if (heif_context_get_encoder_for_format(context, format, &encoder).code == heif_error_Ok) {
         heif_encoder_set_lossy_quality(encoder, 95);
         heif_image* image = nullptr;
         heif_image_create(bgr.cols, bgr.rows, heif_colorspace_RGB, heif_chroma_interleaved_RGB,
@@ -54,6 +55,16 @@ Bytes encode_heif(const cv::Mat& bgr, const Bytes& exif) {
     }
     heif_context_free(context);
     return bytes;
+}
+
+}  // namespace
+
+Bytes encode_heif(const cv::Mat& bgr, const Bytes& exif) {
+    return encode_with(heif_compression_HEVC, bgr, exif);
+}
+
+Bytes encode_avif(const cv::Mat& bgr) {
+    return encode_with(heif_compression_AV1, bgr, {});
 }
 
 }  // namespace psfm::testing

@@ -11,4 +11,7 @@ namespace psfm::testing {
 /// Nothing when this libheif has no encoder.
 Bytes encode_heif(const cv::Mat& bgr, const Bytes& exif);
 
+/// The same as AVIF.
+Bytes encode_avif(const cv::Mat& bgr);
+
 }  // namespace psfm::testing

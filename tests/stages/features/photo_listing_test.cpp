@@ -54,8 +54,9 @@ TEST(PhotoListingTest, SortsByBytesAndKeepsFolders) {
 }
 
 TEST(PhotoListingTest, KnowsTheExtensions) {
-    for (const char* name : {"a.jpg", "a.JPEG", "a.pNg", "a.tif", "a.TIFF", "a.webp", "a.bmp",
-                             "a.HEIC", "a.heif", "a.jp2", "a.pgm", "a.b.ppm"}) {
+    for (const char* name :
+         {"a.jpg", "a.JPEG", "a.pNg", "a.tif", "a.TIFF", "a.webp", "a.bmp", "a.HEIC", "a.heif",
+          "a.hif", "a.AVIF", "a.jp2", "a.pgm", "a.b.ppm", "a.jfif", "a.JPE", "a.mpo", "a.pnm"}) {
         EXPECT_TRUE(has_photo_extension(name)) << name;
     }
     for (const char* name : {"", "jpg", ".jpg", "a.", "a.txt", "a.jpg.txt", "a.jpgx", "a.gif"}) {
@@ -108,6 +109,28 @@ TEST(PhotoListingTest, FoldersWithoutPhotographsAreErrorsWithARemedy) {
     EXPECT_THAT(failure(folder.path() / "notes.txt"), HasSubstr("is not a folder"));
     // Cannot be listed by anyone, root included.
     EXPECT_THAT(failure("/proc/self/task/0/fd"), HasSubstr("/proc/self/task/0/fd"));
+}
+
+TEST(PhotoListingTest, CountsWhatLooksLikePhotographsAndIsNotRead) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.avif", "b.MPO", "c.dng", "d.gif", "e.jfif", "f.jpe", "g.mp4",
+                             "sub/h.MP4", "i.jpg", "notes.txt", ".hidden.mp4", "j.NEF"})
+        folder.write(name, "x");
+    const auto listing = list_photos(folder.path());
+    ASSERT_TRUE(listing) << listing.error().message;
+    EXPECT_THAT(names_of(*listing), ElementsAre("a.avif", "b.MPO", "e.jfif", "f.jpe", "i.jpg"));
+    const auto lines = describe(listing->unread);
+    ASSERT_EQ(lines.size(), 3U);
+    EXPECT_THAT(lines[0], HasSubstr("2 raw photographs (.dng, .nef); develop them"));
+    EXPECT_THAT(lines[1], HasSubstr("2 videos (2 .mp4); take frames"));
+    EXPECT_THAT(lines[2], HasSubstr("1 picture of a format that is not read (.gif); export"));
+    EXPECT_EQ(describe_briefly(listing->unread), "5 files (.dng, .gif, 2 .mp4, .nef)");
+}
+
+TEST(PhotoListingTest, AFolderOfVideosSaysWhatToDo) {
+    const TemporaryFolder folder;
+    folder.write("a.mov", "x");
+    EXPECT_THAT(failure(folder.path()), HasSubstr("1 video (.mov); take frames out of them"));
 }
 
 }  // namespace

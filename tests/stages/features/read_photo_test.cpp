@@ -111,6 +111,7 @@ TEST_F(ReadPhotoTest, DropsTransparency) {
     const auto photo = read_photo(folder_.write("a.png", encode(with_alpha, ".png")), {});
     ASSERT_TRUE(photo) << photo.error().message;
     EXPECT_EQ(cv::norm(photo->colour, image, cv::NORM_INF), 0.0);
+    EXPECT_TRUE(photo->mask.empty()) << "nothing of it is transparent";
 }
 
 TEST_F(ReadPhotoTest, RefusesTinyImages) {
@@ -195,6 +196,77 @@ TEST_F(ReadPhotoTest, NamesOfFilesStayOnOneLine) {
     const auto result = read_photo({folder_.path() / "gone", "two\nlines.jpg"}, {});
     ASSERT_FALSE(result);
     EXPECT_THAT(result.error().message, StartsWith("two\\x0alines.jpg: "));
+}
+
+TEST_F(ReadPhotoTest, ReadsAJpegThatLacksOnlyItsEnd) {
+    const Bytes whole = encode(textured_image(200, 150), ".jpg");
+    const auto expected = read_photo(folder_.write("whole.jpg", whole), {});
+    ASSERT_TRUE(expected);
+    EXPECT_TRUE(expected->remarks.empty());
+    for (const std::size_t missing : {1U, 2U}) {
+        const Bytes cut(whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(missing));
+        const auto photo = read_photo(folder_.write("cut.jpg", cut), {});
+        ASSERT_TRUE(photo) << photo.error().message;
+        EXPECT_EQ(cv::norm(photo->colour, expected->colour, cv::NORM_INF), 0.0);
+        EXPECT_EQ(photo->content_hash, XXH64(cut.data(), cut.size(), 0)) << "that of the file";
+        ASSERT_EQ(photo->remarks.size(), 1U);
+        EXPECT_THAT(photo->remarks[0], AllOf(StartsWith("cut.jpg: "), HasSubstr("at its end")));
+    }
+    // Anything more, and some of the picture may be missing.
+    for (const std::size_t missing : {8U, 100U}) {
+        const Bytes cut(whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(missing));
+        EXPECT_THAT(refusal(folder_.write("cut.jpg", cut)), HasSubstr("ends in the middle"));
+    }
+}
+
+TEST_F(ReadPhotoTest, ReadsAProgressiveJpegThatLacksOnlyItsEnd) {
+    Bytes whole;
+    cv::imencode(".jpg", textured_image(200, 150), whole, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+    Bytes cut(whole.begin(), whole.end() - 2);
+    EXPECT_TRUE(read_photo(folder_.write("cut.jpg", cut), {}));
+    // Up to the beginning of the last scan: a whole picture, but coarser than it was.
+    std::size_t last_scan = 0;
+    for (std::size_t i = 0; i + 1 < whole.size(); ++i) {
+        if (whole[i] == 0xFF && whole[i + 1] == 0xDA) last_scan = i;
+    }
+    ASSERT_GT(last_scan, 0U);
+    cut.resize(last_scan);
+    EXPECT_THAT(refusal(folder_.write("coarse.jpg", cut)), HasSubstr("ends in the middle"));
+}
+
+TEST_F(ReadPhotoTest, ReadsTheFirstPictureOfAnMpoFile) {
+    Bytes both = encode(textured_image(200, 150, 1), ".jpg");
+    const auto first = read_photo(folder_.write("first.jpg", both), {});
+    const Bytes second = encode(textured_image(200, 150, 2), ".jpg");
+    both.insert(both.end(), second.begin(), second.end());
+    const auto photo = read_photo(folder_.write("both.MPO", both), {});
+    ASSERT_TRUE(photo) << photo.error().message;
+    EXPECT_TRUE(photo->remarks.empty());
+    EXPECT_EQ(cv::norm(photo->colour, first->colour, cv::NORM_INF), 0.0);
+}
+
+TEST_F(ReadPhotoTest, TransparencyIsAMask) {
+    for (const char* extension : {".png", ".webp", ".tiff"}) {
+        cv::Mat picture;
+        cv::cvtColor(textured_image(80, 70), picture, cv::COLOR_BGR2BGRA);
+        picture(cv::Rect(10, 20, 30, 25)).forEach<cv::Vec4b>([](cv::Vec4b& pixel, const int*) {
+            pixel[3] = 0;
+        });
+        const auto photo =
+            read_photo(folder_.write(std::string("a") + extension, encode(picture, extension)), {});
+        ASSERT_TRUE(photo) << photo.error().message;
+        ASSERT_EQ(photo->mask.size(), picture.size()) << extension;
+        EXPECT_EQ(cv::countNonZero(photo->mask == 0), 30 * 25) << extension;
+        EXPECT_EQ(photo->mask.at<std::uint8_t>(25, 15), 0) << extension;
+    }
+}
+
+TEST_F(ReadPhotoTest, NamesNoOptionThatPsfmLacks) {
+    ReadPhotoOptions strict;
+    strict.max_megapixels = 0.001;
+    EXPECT_THAT(
+        refusal(folder_.write("a.png", encode(textured_image(80, 80), ".png")), strict),
+        AllOf(HasSubstr("too large"), HasSubstr("reduce it"), Not(HasSubstr("max_megapixels"))));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "stages/features/run_features.h"
 
@@ -89,6 +91,55 @@ TEST_F(RealPhotosTest, StrechaHasNoExif) {
     EXPECT_EQ(photo.width, 1536U);
     EXPECT_FALSE(photo.focal_px);
     EXPECT_TRUE(photo.make.empty());
+}
+
+/// Masks and what lies under them, of the cases that people's photographs are.
+class CasesTest : public RealPhotosTest {
+  protected:
+    ExtractedPhoto extract(const std::string& name, const std::filesystem::path& masks = {}) const {
+        FeatureOptions options;
+        options.masks = masks;
+        const auto slash = name.rfind('/');
+        auto photo = run_features({folder_ / name, name.substr(slash + 1)}, options);
+        if (photo) return *std::move(photo);
+        ADD_FAILURE() << photo.error().message;
+        return {};
+    }
+};
+
+TEST_F(CasesTest, TransparencyIsAMask) {
+    for (const char* name : {"0000.png", "0005.png", "0010.png"}) {
+        const std::string file = std::string("cases/alpha-as-mask/") + name;
+        const cv::Mat stored = cv::imread((folder_ / file).string(), cv::IMREAD_UNCHANGED);
+        ASSERT_EQ(stored.channels(), 4) << name;
+        const ExtractedPhoto photo = extract(file);
+        EXPECT_GT(photo.keypoints.size(), 100U);
+        for (const Keypoint& keypoint : photo.keypoints) {
+            const auto& pixel =
+                stored.at<cv::Vec4b>(static_cast<int>(keypoint.y), static_cast<int>(keypoint.x));
+            EXPECT_GE(pixel[3], 128) << name << " at " << keypoint.x << ", " << keypoint.y;
+        }
+    }
+}
+
+TEST_F(CasesTest, NoFeatureLiesUnderAMask) {
+    const std::filesystem::path masks = folder_ / "cases/masks-in-subfolder/masks";
+    const cv::Mat mask = cv::imread((masks / "0000.jpg.png").string(), cv::IMREAD_GRAYSCALE);
+    ASSERT_FALSE(mask.empty());
+    const ExtractedPhoto photo = extract("cases/masks-in-subfolder/0000.jpg", masks);
+    EXPECT_NE(photo.mask_hash, 0U);
+    EXPECT_GT(photo.keypoints.size(), 100U);
+    for (const Keypoint& keypoint : photo.keypoints) {
+        EXPECT_NE(mask.at<std::uint8_t>(static_cast<int>(keypoint.y), static_cast<int>(keypoint.x)),
+                  0)
+            << keypoint.x << ", " << keypoint.y;
+    }
+}
+
+TEST_F(CasesTest, AJpegWithoutItsEndIsReadWithARemark) {
+    const ExtractedPhoto photo = extract("cases/jpeg-without-eoi/0009.jpg");
+    ASSERT_EQ(photo.remarks.size(), 1U);
+    EXPECT_EQ(photo.metadata.width, 768U);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(WatchFolder, HandsOnAFileOnceWhenItHasStoppedGrowing) {
     fs::create_directories(folder);
     std::ofstream file(folder / "a.jpg");
     file << "first half" << std::flush;
-    WatchFolder watch(folder, say_nothing);
+    WatchFolder watch(folder, {}, say_nothing);
     PhotoFile photo;
     EXPECT_EQ(watch.next(photo), PhotoSource::Next::kLater) << "its size may still change";
     file << "second half" << std::flush;
@@ -50,7 +50,7 @@ TEST(WatchFolder, RemembersNothingOfAFileThatIsGone) {
     fs::create_directories(folder);
     std::ofstream(folder / "a.jpg") << "as long as before";
     std::ofstream(folder / "b.jpg") << "stays";
-    WatchFolder watch(folder, say_nothing);
+    WatchFolder watch(folder, {}, say_nothing);
     PhotoFile photo;
     EXPECT_EQ(watch.next(photo), PhotoSource::Next::kLater);
     fs::remove(folder / "a.jpg");
@@ -72,7 +72,7 @@ TEST(WatchFolder, TellsOnceOfWhatIsNoPhotographAndWaitsForAFolderThatIsAway) {
     std::ofstream(folder / "a.jpg") << "stays";
     fs::create_symlink("nowhere", folder / "dangling.jpg");
     std::vector<std::string> told;
-    WatchFolder watch(folder, [&](const std::string& line) { told.push_back(line); });
+    WatchFolder watch(folder, {}, [&](const std::string& line) { told.push_back(line); });
     PhotoFile photo;
     EXPECT_EQ(watch.next(photo), PhotoSource::Next::kLater);
     wait_for_the_next_look();

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <set>
+#include <string>
+
+#include "scheduler/known_files.h"
+#include "stages/features/masks_beside_photos.h"
+#include "stages/features/photo_listing.h"
+#include "stages/features/photo_mask.h"
+#include "stages/features/read_file_bytes.h"
+#include "stages/features/small_copies.h"
+#include "tools/commands/session_runner.h"
+#include "tools/commands/wording.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNaming =
+    "; the mask of a.jpg is a.jpg.png, a_mask.png or a.png, in the same sub-folder";
+
+void tell(const std::string& line) {
+    std::cerr << "psfm: " << line << '\n';
+}
+
+/// "a, b, c and 7 more"
+std::string some_of(const std::vector<std::string>& names) {
+    constexpr std::size_t kShown = 5;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
+        list += (i == 0 ? "" : ", ") + names[i];
+    if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
+    return list;
+}
+
+/// Files among the photographs that look like masks, and are not in the folder that was given.
+void tell_of_masks_aside(const std::vector<PhotoFile>& aside, const std::string& given) {
+    std::map<fs::path, std::size_t> folders;
+    for (const PhotoFile& file : aside) {
+        const std::string relative = fs::path(file.path).lexically_relative(given).generic_string();
+        const bool is_given = !given.empty() && !relative.empty() && !relative.starts_with("..");
+        if (!is_given) ++folders[file.path.parent_path()];
+    }
+    for (const auto& [folder, count] : folders) {
+        tell(counted(count, "file") + " in " + folder.string() +
+             (count == 1 ? " looks like a mask" : " look like masks") + ", and " +
+             (count == 1 ? "is" : "are") + " not taken as photographs; '--masks " +
+             shell_word(folder.string()) + "' uses them");
+    }
+}
+
+/// Images of the session that were taken in without the masks that are there now.
+void tell_of_late_masks(const std::string& masks, const std::vector<Image>& images,
+                        const std::vector<ImageSource>& sources) {
+    std::vector<std::string> late;
+    for (const Image& image : images) {
+        const ImageSource& source = sources[index_of(image.id)];
+        if (source.removed) continue;
+        const auto mask = find_mask(masks, {fs::path(), image.name});
+        if (!mask) continue;
+        const auto hash = content_hash_of({*mask, image.name}, std::uint64_t{1} << 32U);
+        if (hash.ok() && *hash != source.mask_hash) late.push_back(image.name);
+    }
+    if (late.empty()) return;
+    tell(counted(late.size(), "photograph") + " of the session " +
+         (late.size() == 1 ? "was" : "were") + " taken in without the mask that is there now: " +
+         some_of(late) + "; 'psfm remove --again' them, and run");
+}
+
+Result<void> tell_of_masks(const std::string& masks, const std::vector<PhotoFile>& photos,
+                           const std::vector<Image>& images) {
+    std::vector<PhotoFile> all = photos;
+    for (const Image& image : images) all.push_back({fs::path(), image.name});
+    const auto use = match_masks(masks, all);
+    if (!use.ok()) return use.error();
+    if (!use->unused.empty()) {
+        tell("MASKS WITHOUT A PHOTOGRAPH in " + masks + ": " + some_of(use->unused) + kNaming);
+    }
+    if (use->masked == 0) tell("no photograph has a mask in " + masks + kNaming);
+    return {};
+}
+
+}  // namespace
+
+Result<void> compare_photos(RunRequest& request, const SessionReader& store, bool names_masks) {
+    if (!request.config.colmap_database.empty()) return {};
+    const auto read = store.images();
+    if (!read.ok()) return read.error();
+    const auto sources = store.image_sources();
+    if (!sources.ok()) return sources.error();
+    const std::vector<Image>& images = *read;
+    const auto settings = store.settings();  // none in a new session
+    const fs::path previous_folder = settings.ok() ? settings->photo_folder : std::string();
+    const std::string& masks = request.config.masks;
+    // All that the folder has: files may have changed their names among themselves, whatever an
+    // order says.
+    std::vector<PhotoFile> all;
+    if (const auto listing = list_photos(request.input); listing.ok()) all = listing->photos;
+    tell_of_masks_aside(set_masks_aside(all, masks), masks);
+    if (!masks.empty()) {
+        const auto told = tell_of_masks(masks, all, images);
+        if (!told.ok() && names_masks) return told;
+        if (!told.ok()) tell(told.error().message + "; photographs are taken in without masks");
+        if (names_masks) tell_of_late_masks(masks, images, *sources);
+    }
+    KnownFiles known = compare_with_session(images, *sources, all, request.input, previous_folder);
+    for (const std::string& line : known.told) tell(line);
+    request.moved = std::move(known.moved);
+    std::map<fs::path, PhotoFile> by_path;
+    for (PhotoFile& photo : known.photos) by_path.emplace(photo.path, std::move(photo));
+    std::vector<PhotoFile> photos;
+    for (const PhotoFile& photo : request.photos) {
+        if (const auto found = by_path.find(photo.path); found != by_path.end())
+            photos.push_back(found->second);
+    }
+    put_small_copies_last(photos);
+    request.photos = std::move(photos);
+    return {};
+}
+
+}  // namespace psfm
