@@ -42,7 +42,18 @@ struct TwoViewGeometry {
     double match_density = 0.0;
     double core_density = 0.0;
     std::vector<FeatureMatch> inliers;  ///< ascending; each feature at most once a side
+    /// Matches at one and the same pixel of both photographs, where there are many (find_still):
+    /// far views, a camera that stood still, a watermark, the car's hood, what stands behind a
+    /// turntable. Those that are inliers, too, agree with the scene's motion; the others do not.
+    /// Ascending; each feature at most once a side.
+    std::vector<FeatureMatch> still;
 };
+
+/// Whether a pair shows nothing but what stands still in both photographs, and that in a part of
+/// them only: it says nothing of a scene, and is no edge.
+inline bool is_still_only(const TwoViewGeometry& geometry) {
+    return geometry.inliers.empty() && !geometry.still.empty();
+}
 
 /// What verification found of a pair: kept for ever, whether it is an edge at present or not.
 struct VerifiedPair {

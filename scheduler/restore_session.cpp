@@ -167,7 +167,8 @@ std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs) {
     std::size_t bytes = 0;
     for (const VerifiedPairPtr& pair : pairs)
         bytes +=
-            sizeof(VerifiedPair) + kEdges + pair->geometry.inliers.size() * sizeof(FeatureMatch);
+            sizeof(VerifiedPair) + kEdges +
+            (pair->geometry.inliers.size() + pair->geometry.still.size()) * sizeof(FeatureMatch);
     return bytes;
 }
 

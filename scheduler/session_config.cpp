@@ -86,6 +86,8 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.converge_up_to = std::numeric_limits<std::uint32_t>::max();
         options.solve.rejoin_from_images = std::numeric_limits<std::uint32_t>::max();
         options.verification.enough_pairs = 0;
+        options.verification.verify.still.min_matches = 0;
+        options.edges.still.min_pairs = 0;
         options.merge.constraint.border_cameras = 0;
         options.merge.constraint.min_unmatched_cameras = 0;
     } else if (config.preset != "default") {

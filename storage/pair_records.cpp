@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include "storage/compact_list.h"
 #include "storage/flat_payload.h"
@@ -41,14 +43,33 @@ std::string label(ImageId first, ImageId second) {
            "): ";
 }
 
-flatbuffers::Offset<records::Pair> add_pair(flatbuffers::FlatBufferBuilder& builder,
-                                            const VerifiedPair& pair) {
+flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> add_matches(
+    flatbuffers::FlatBufferBuilder& builder, const std::vector<FeatureMatch>& matches) {
     CompactListWriter list;
-    for (const FeatureMatch& match : pair.geometry.inliers) {
+    for (const FeatureMatch& match : matches) {
         list.put_ascending(match.first);
         list.put(match.second);
     }
-    const auto inliers = builder.CreateVector(list.bytes().data(), list.bytes().size());
+    return builder.CreateVector(list.bytes().data(), list.bytes().size());
+}
+
+std::optional<std::vector<FeatureMatch>> read_matches(std::span<const std::uint8_t> bytes) {
+    std::vector<FeatureMatch> matches;
+    CompactListReader list(bytes);
+    while (!list.at_end()) {
+        const auto first = list.take_ascending();
+        const auto second = list.take();
+        if (!first || !second) return std::nullopt;
+        matches.push_back({*first, *second});
+    }
+    return matches;
+}
+
+flatbuffers::Offset<records::Pair> add_pair(flatbuffers::FlatBufferBuilder& builder,
+                                            const VerifiedPair& pair) {
+    const auto inliers = add_matches(builder, pair.geometry.inliers);
+    flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> still;
+    if (!pair.geometry.still.empty()) still = add_matches(builder, pair.geometry.still);
     std::array<double, 9> row_major{};
     Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(row_major.data()) =
         pair.geometry.matrix;
@@ -57,7 +78,7 @@ flatbuffers::Offset<records::Pair> add_pair(flatbuffers::FlatBufferBuilder& buil
     return records::CreatePair(builder, index_of(pair.pair.first),
                                static_cast<std::uint8_t>(pair.geometry.kind), &matrix, &motion,
                                pair.geometry.median_angle_deg, inliers, pair.geometry.match_density,
-                               pair.geometry.core_density);
+                               pair.geometry.core_density, still);
 }
 
 Result<VerifiedPairPtr> read_pair(ImageId image, const records::Pair& record) {
@@ -72,12 +93,13 @@ Result<VerifiedPairPtr> read_pair(ImageId image, const records::Pair& record) {
     geometry.median_angle_deg = record.median_angle_deg();
     geometry.match_density = record.match_density();
     geometry.core_density = record.core_density();
-    CompactListReader list(bytes_of(*record.inliers()));
-    while (!list.at_end()) {
-        const auto first = list.take_ascending();
-        const auto second = list.take();
-        if (!first || !second) return damaged_payload("list of inliers is broken");
-        geometry.inliers.push_back({*first, *second});
+    auto inliers = read_matches(bytes_of(*record.inliers()));
+    if (!inliers) return damaged_payload("list of inliers is broken");
+    geometry.inliers = *std::move(inliers);
+    if (record.still() != nullptr) {
+        auto still = read_matches(bytes_of(*record.still()));
+        if (!still) return damaged_payload("list of still matches is broken");
+        geometry.still = *std::move(still);
     }
     if (const char* problem = problem_of(geometry)) return damaged_payload(problem);
     return VerifiedPairPtr(std::move(pair));
@@ -98,7 +120,8 @@ Result<std::string> encode_pairs(ImageId image, const std::vector<VerifiedPairPt
                                 " with earlier images, ascending");
         }
         if (const char* problem = problem_of(pair->geometry)) return not_storable(name + problem);
-        if (!each_feature_once(pair->geometry.inliers)) {
+        if (!each_feature_once(pair->geometry.inliers) ||
+            !each_feature_once(pair->geometry.still)) {
             return not_storable(name + "inliers are not ascending, or use a feature twice");
         }
         offsets.push_back(add_pair(builder, *pair));

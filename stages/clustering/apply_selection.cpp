@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
+#include <utility>
 
 namespace psfm {
 namespace {
@@ -35,15 +35,36 @@ bool is_outvoted(const EdgeSelection& selection, const ImagePair& pair) {
            std::ranges::binary_search(selection.outvoted[index_of(b)], a);
 }
 
-/// What a pair counts in the view graph: its inliers; 0: it is a weak edge; nothing: it is none.
-std::optional<double> weight_of(const EdgeSelection& selection, const ImagePair& pair) {
-    if (selection.are_apart(pair.first, pair.second)) return std::nullopt;
-    if (const EdgeSelection::Edge* edge = find_pair(selection.edges, pair)) {
-        if (is_outvoted(selection, pair)) return std::nullopt;
-        return static_cast<double>(edge->pair->geometry.inliers.size());
-    }
-    const bool is_weak = find_pair(selection.weak, pair) != nullptr && !is_opposed(selection, pair);
-    return is_weak ? std::optional(0.0) : std::nullopt;
+/// Looks again for what stands still in an image. @return whether it is something else than before
+bool update_still(EdgeSelection& selection, ImageId image) {
+    std::vector<VerifiedPairPtr> pairs;
+    for (const EdgeSelection::Edge& edge : selection.edges[index_of(image)])
+        pairs.push_back(edge.pair);
+    std::vector<std::uint32_t> now = still_features(image, pairs, selection.still_options);
+    std::vector<std::uint32_t>& before = selection.still[index_of(image)];
+    if (now == before) return false;
+    before = std::move(now);
+    return true;
+}
+
+/// A pair as the view graph has it.
+struct ChosenEdge {
+    VerifiedPairPtr pair;  ///< null: it is no edge
+    double weight = 0.0;   ///< its inliers; 0: it is a weak edge
+};
+
+ChosenEdge choose_edge(const EdgeSelection& selection, const ImagePair& pair) {
+    if (selection.are_apart(pair.first, pair.second)) return {};
+    const EdgeSelection::Edge* plausible = find_pair(selection.edges, pair);
+    const EdgeSelection::Edge* chosen = plausible ? plausible : find_pair(selection.weak, pair);
+    if (chosen == nullptr) return {};
+    if (plausible ? is_outvoted(selection, pair) : is_opposed(selection, pair)) return {};
+    VerifiedPairPtr seen =
+        without_still(chosen->pair, selection.still[index_of(pair.first)],
+                      selection.still[index_of(pair.second)], selection.still_options);
+    if (!seen) return {};
+    const auto inliers = static_cast<double>(seen->geometry.inliers.size());
+    return {std::move(seen), plausible ? inliers : 0.0};
 }
 
 /// A neighbour with what stands for it and against it.
@@ -100,27 +121,35 @@ EdgeChanges apply_selection(EdgeSelection& selection, ViewGraph& graph,
         for (const ImageId other : differing) pairs.insert(ImagePair::of(image, other));
         before = std::move(now);
         // Whether these are opposed may have changed with the image's neighbours.
-        if (selection.apart_count > 0) {
+        const bool is_still_changed = update_still(selection, image);
+        if (selection.apart_count > 0 || is_still_changed) {
             for (const EdgeSelection::Edge& edge : selection.weak[index_of(image)])
-                pairs.insert(ImagePair::of(image, edge.neighbor));
+                pairs.insert(edge.pair->pair);
         }
+        if (!is_still_changed) continue;
+        for (const EdgeSelection::Edge& edge : selection.edges[index_of(image)])
+            pairs.insert(edge.pair->pair);
     }
     std::set<ImageId> changed;
     EdgeChanges changes;
     for (const ImagePair& pair : pairs) {
         const auto& [a, b] = pair;
-        const std::optional<double> weight = weight_of(selection, pair);
+        ChosenEdge now = choose_edge(selection, pair);
         const ViewGraph::Edge* edge = graph.find(a, b);
-        const std::optional<double> before = edge ? std::optional(edge->weight) : std::nullopt;
-        if (weight == before) continue;
-        if (edge != nullptr) graph.remove_edge(a, b);
-        if (weight) {
-            const EdgeSelection::Edge* chosen = find_pair(selection.edges, pair);
-            if (chosen == nullptr) chosen = find_pair(selection.weak, pair);
-            graph.add_edge(a, b, *weight, chosen->pair);
+        const bool same = edge == nullptr
+                              ? now.pair == nullptr
+                              : now.pair != nullptr && edge->weight == now.weight &&
+                                    (edge->pair == now.pair ||
+                                     edge->pair->geometry.inliers == now.pair->geometry.inliers);
+        if (same) continue;
+        // What models rest on: what is an edge still has gained if it was a weak one.
+        const bool is_raised = edge != nullptr && now.pair && edge->weight < now.weight &&
+                               edge->pair == now.pair;
+        if (edge != nullptr) {
+            graph.remove_edge(a, b);
+            if (!is_raised) changes.removed.push_back(pair);
         }
-        // What models rest on: a plausible edge that is weak now as well.
-        if (before && (!weight || *weight < *before)) changes.removed.push_back(pair);
+        if (now.pair) graph.add_edge(a, b, now.weight, std::move(now.pair));
         changed.insert({a, b});
     }
     changes.images.assign(changed.begin(), changed.end());

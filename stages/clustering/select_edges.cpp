@@ -56,6 +56,7 @@ Result<void> validate(const EdgeSelectionOptions& options) {
     if (options.min_inliers < 1) return invalid("min_inliers is 0; give at least 1");
     if (!(options.min_relative_plausibility >= 0.0 && options.min_relative_plausibility <= 1.0))
         return invalid("min_relative_plausibility is not between 0 and 1");
+    if (const auto valid = validate(options.still); !valid) return valid;
     return validate(options.plausibility);
 }
 
@@ -69,6 +70,9 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
     selection.best.resize(graph.size(), 0.0);
     selection.apart.resize(graph.size());
     selection.outvoted.resize(graph.size());
+    selection.still.resize(graph.size());
+    selection.still_only.resize(graph.size(), 0);
+    selection.still_options = options.still;
 
     std::vector<ImageId> risen{image};
     const auto raise_best = [&](ImageId of, double plausible) {
@@ -78,7 +82,12 @@ EdgeChanges select_edges(EdgeSelection& selection, ViewGraph& graph, ImageId ima
         if (of != image) risen.push_back(of);
     };
     for (const VerifiedPairPtr& pair : pairs) {
-        if (!has_inliers(pair, options.min_inliers)) continue;
+        if (is_still_only(pair->geometry)) {
+            ++selection.still_only[index_of(pair->pair.first)];
+            ++selection.still_only[index_of(pair->pair.second)];
+        }
+        // How well two photographs from one place match says nothing of those from others.
+        if (!has_inliers(pair, options.min_inliers) || !shows_motion(pair->geometry)) continue;
         const double plausible = plausibility(pair->geometry, options.plausibility);
         raise_best(pair->pair.first, plausible);
         raise_best(pair->pair.second, plausible);

@@ -11,6 +11,7 @@
 #include "graph/two_view_geometry.h"
 #include "graph/view_graph.h"
 #include "stages/clustering/plausibility.h"
+#include "stages/clustering/still_features.h"
 
 namespace psfm {
 
@@ -31,19 +32,23 @@ struct EdgeSelectionOptions {
     /// theirs; 0: there are none, as in the paper. Raised: images with little overlap are left out.
     /// Lowered: chance agreements are looked at. Source: COLMAP's min_num_inliers.
     std::uint32_t min_weak_inliers = 15;
+    StillFeatureOptions still;
 };
 
 Result<void> validate(const EdgeSelectionOptions& options);
 
 /// The pairs of images that are plausible, in the view graph or not: a value, owned by one serial
 /// node. Invariants, with the graph and options of the last call:
-///   1. best[i] is the largest plausibility of the pairs of image i with enough inliers; a pair is
-///      plausible iff it reaches min_relative_plausibility times the smaller of its images' best.
+///   1. best[i] is the largest plausibility of the pairs of image i with enough inliers that show
+///      motion; a pair is plausible iff it reaches min_relative_plausibility times the smaller of
+///      its images' best.
 ///   2. A pair is an edge of the graph iff it is plausible, its images are not known to be of
-///   different places, and neither image is outvoted for the other (outvoted_neighbors).
+///      different places, neither image is outvoted for the other (outvoted_neighbors), and it does
+///      not rest on what stands still in photographs (without_still).
 ///   3. A pair that is not plausible and has min_weak_inliers is a weak edge of the graph iff its
-///   images are not known to be of different places, and neither is apart from a plausible
-///   neighbour of the other.
+///      images are not known to be of different places, neither is apart from a plausible neighbour
+///      of the other, and it does not rest on what stands still in photographs.
+///   4. The edge's pair is without what is known to stand still.
 struct EdgeSelection {
     struct Edge {
         ImageId neighbor{};
@@ -56,8 +61,11 @@ struct EdgeSelection {
     /// By image, ascending: images that a model showed beside it and that are of another place
     /// (keep_apart). Goes both ways.
     std::vector<std::vector<ImageId>> apart;
-    std::size_t apart_count = 0;                 ///< pairs in apart
-    std::vector<std::vector<ImageId>> outvoted;  ///< by image, ascending: outvoted_neighbors
+    std::size_t apart_count = 0;                    ///< pairs in apart
+    std::vector<std::vector<ImageId>> outvoted;     ///< by image, ascending: outvoted_neighbors
+    std::vector<std::vector<std::uint32_t>> still;  ///< by image: still_features of its pairs above
+    std::vector<std::uint32_t> still_only;          ///< by image: pairs that show nothing else
+    StillFeatureOptions still_options;              ///< of the last call
 
     bool are_apart(ImageId a, ImageId b) const;
 };

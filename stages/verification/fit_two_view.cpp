@@ -85,15 +85,25 @@ TwoViewModel fit_rotation(const TwoViewProblem& problem, const RobustModel& homo
 }
 
 /// With unknown focal lengths a turn looks like one only through the right ones: common factors to
-/// the guess are tried, half to double in steps of about a tenth.
+/// the guess are tried, half to double in steps of about a tenth, and then ever smaller steps from
+/// the best: 5 % off, the corners of photographs 20 degrees apart are beside their place by 4 px.
 TwoViewModel fit_rotation_any_focal(const TwoViewProblem& problem, const RobustModel& homography,
                                     const VerifyOptions& options) {
     if (problem.calibrated) return fit_rotation(problem, homography, options);
     TwoViewModel best;
-    for (int step = -8; step <= 8; ++step) {
-        const TwoViewProblem scaled = with_focal_factor(problem, std::exp2(step / 8.0));
+    double best_exponent = 0.0;
+    const auto attempt = [&](double exponent) {
+        const TwoViewProblem scaled = with_focal_factor(problem, std::exp2(exponent));
         TwoViewModel model = fit_rotation(scaled, homography, options);
-        if (model.inliers.size() > best.inliers.size()) best = std::move(model);
+        if (model.inliers.size() <= best.inliers.size()) return;
+        best = std::move(model);
+        best_exponent = exponent;
+    };
+    for (int step = -8; step <= 8; ++step) attempt(step / 8.0);
+    for (double step = 1.0 / 16.0; step > 1.0 / 128.0; step /= 2.0) {
+        const double from = best_exponent;
+        attempt(from - step);
+        attempt(from + step);
     }
     // The pose is that of the guess, as for every pair with an unknown focal length.
     if (!best.inliers.empty())
@@ -102,6 +112,12 @@ TwoViewModel fit_rotation_any_focal(const TwoViewProblem& problem, const RobustM
 }
 
 }  // namespace
+
+TwoViewModel fit_turn(const TwoViewProblem& problem, const RobustModel& homography) {
+    TwoViewModel model{TwoViewKind::kPureRotation, homography.matrix, {}, homography.inliers};
+    model.cam2_from_cam1.rotation = aligning_rotation(problem, model.inliers);
+    return model;
+}
 
 TwoViewModel fit_pose(const TwoViewProblem& problem, const Rigid3& start, const Indices& inliers,
                       const VerifyOptions& options) {

@@ -33,6 +33,9 @@ TwoViewModel fit_essential(const TwoViewProblem& problem, const RobustModel& ess
 TwoViewModel fit_fundamental(const TwoViewProblem& problem, const RobustModel& fundamental,
                              const VerifyOptions& options);
 
+/// A homography that is known to be a turn, whatever the focal lengths are: its inliers stay.
+TwoViewModel fit_turn(const TwoViewProblem& problem, const RobustModel& homography);
+
 /// A homography: pure rotation, or a plane with parallax.
 /// @param general  the epipolar model of the same pair, when there is one
 TwoViewModel fit_homography(const TwoViewProblem& problem, const RobustModel& homography,

@@ -19,8 +19,10 @@ TwoViewGeometry invert(const TwoViewGeometry& geometry) {
         inverted.matrix = geometry.matrix.inverse().normalized();
     }
     inverted.cam2_from_cam1 = inverse(geometry.cam2_from_cam1);
-    for (FeatureMatch& match : inverted.inliers) std::swap(match.first, match.second);
-    std::ranges::sort(inverted.inliers);
+    for (std::vector<FeatureMatch>* matches : {&inverted.inliers, &inverted.still}) {
+        for (FeatureMatch& match : *matches) std::swap(match.first, match.second);
+        std::ranges::sort(*matches);
+    }
     return inverted;
 }
 

@@ -56,7 +56,14 @@ std::vector<ImageId> without_repetitions(const std::vector<ImageId>& images) {
     return once;
 }
 
-enum class Outcome { kVerified, kTooFewStrongest, kTooFewMatches, kDegenerate, kFailed };
+enum class Outcome {
+    kVerified,
+    kStillOnly,
+    kTooFewStrongest,
+    kTooFewMatches,
+    kDegenerate,
+    kFailed
+};
 
 /// What came of one candidate.
 struct Attempt {
@@ -110,7 +117,7 @@ Attempt attempt_pair(const VerificationInput& input, const PreparedDescriptors& 
     }
     VerifiedPair pair{ImagePair::of(candidate_id, input.image.id), std::move(*geometry)};
     if (pair.pair.first != candidate_id) pair.geometry = invert(pair.geometry);
-    attempt.outcome = Outcome::kVerified;
+    attempt.outcome = is_still_only(pair.geometry) ? Outcome::kStillOnly : Outcome::kVerified;
     attempt.pair = std::make_shared<const VerifiedPair>(std::move(pair));
     return attempt;
 }
@@ -135,6 +142,9 @@ void count(const Attempt& attempt, VerificationStatistics& statistics) {
         case Outcome::kVerified:
             ++statistics.verified;
             statistics.inliers += attempt.pair->geometry.inliers.size();
+            break;
+        case Outcome::kStillOnly:
+            ++statistics.still_only;
             break;
         case Outcome::kTooFewStrongest:
             ++statistics.too_few_strongest;
@@ -213,9 +223,10 @@ Result<VerificationOutput> run_verification(const VerificationInput& input,
     const std::size_t enough =
         input.ranked && options.enough_pairs > 0 ? options.enough_pairs : candidates.size();
     VerificationOutput output;
-    for (std::size_t tried = 0; tried < candidates.size() && output.pairs.size() < enough;
+    const std::size_t& verified = output.statistics.verified;
+    for (std::size_t tried = 0; tried < candidates.size() && verified < enough;
          tried = output.statistics.tried) {
-        const std::size_t round = size_of_round(tried, output.pairs.size(), enough);
+        const std::size_t round = size_of_round(tried, verified, enough);
         std::vector<Attempt> attempts(std::min(round, candidates.size() - tried));
         tbb::parallel_for(std::size_t{0}, attempts.size(), [&](std::size_t i) {
             attempts[i] = attempt_pair_catching(input, prepared, candidates[tried + i], options);

@@ -65,6 +65,7 @@ struct VerificationStatistics {
     std::size_t too_few_strongest = 0;  ///< hopeless by CellOptions::min_strongest_matches
     std::size_t too_few_matches = 0;
     std::size_t degenerate = 0;  ///< no geometry that enough matches agree with
+    std::size_t still_only = 0;  ///< nothing but what stands still in both (is_still_only)
     std::size_t putative_matches = 0;
     std::size_t inliers = 0;
     double match_ms = 0.0;   ///< sum over pairs, not wall time
@@ -72,7 +73,8 @@ struct VerificationStatistics {
 };
 
 struct VerificationOutput {
-    std::vector<VerifiedPairPtr> pairs;  ///< ascending by pair
+    /// Ascending by pair; those of still_only among them, which are known and are no edges.
+    std::vector<VerifiedPairPtr> pairs;
     VerificationStatistics statistics;
 };
 

@@ -15,6 +15,17 @@ Error invalid(const char* message) {
 
 }  // namespace
 
+Result<void> validate(const StillOptions& options) {
+    if (!(options.max_motion_px > 0.0 && options.exact_side_px > 0.0 && options.max_turn_deg > 0.0))
+        return invalid("still matches: max_motion_px, exact_side_px, max_turn_deg must be above 0");
+    if (!(options.max_scale_ratio >= 1.0))
+        return invalid("still matches: max_scale_ratio must be at least 1");
+    if (!is_share(options.min_moving_share) || !is_share(options.min_agreeing) ||
+        !is_share(options.min_coverage))
+        return invalid("still matches: shares and coverage must be in (0, 1]");
+    return {};
+}
+
 Result<void> validate(const VerifyOptions& options) {
     if (!(options.max_error_px > 0.0)) return invalid("verification: max_error_px must be above 0");
     if (!(options.max_uncalibrated_error_px > 0.0))
@@ -33,7 +44,7 @@ Result<void> validate(const VerifyOptions& options) {
     }
     if (options.max_iterations < 1)
         return invalid("verification: max_iterations must be at least 1");
-    return {};
+    return validate(options.still);
 }
 
 VerifyOptions options_for(const VerifyOptions& options, const Camera& camera1,

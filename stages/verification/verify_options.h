@@ -2,10 +2,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
 #include "graph/camera.h"
 #include "graph/result.h"
 
 namespace psfm {
+
+/// What does not move from one photograph to another, and whether it is of the scene. Ours, all of
+/// it, tuned on datasets/cases and rendered scenes (docs/verification.md).
+struct StillOptions {
+    /// Fewest matches at one place for which a pair is looked at twice; 0: none is, as in the
+    /// paper. Raised: small watermarks count as scene; lowered: chance costs time.
+    std::size_t min_matches = 8;
+    /// Matches that move by less lie at one place [px, up to exact_side_px]. Raised: slow motion is
+    /// taken for none; lowered: compression moves what stands still.
+    double max_motion_px = 1.0;
+    /// In larger photographs, features are found as much less exactly as their longer side is
+    /// longer [px].
+    double exact_side_px = 1600.0;
+    /// Those are of one scale and orientation, too. Raised: matches of other things; lowered: what
+    /// shines through a watermark turns its features.
+    double max_scale_ratio = 1.25;
+    double max_turn_deg = 15.0;
+    /// What moves is a scene of its own when this part of the matches that move agrees, where those
+    /// that do not move are everywhere. Raised: objects before a background that stands still are
+    /// overlooked; lowered: wrong matches between two photographs from a tripod make a scene.
+    double min_moving_share = 0.3;
+    /// Matches that do not move are of the scene, as far views are, when this part of them agrees
+    /// with its motion, and the scene's agrees with theirs. Raised: far views are lost; lowered:
+    /// watermarks stay in.
+    double min_agreeing = 0.5;
+    /// Where nothing moves, the camera stood still if matches lie in this part of what has features
+    /// (still_coverage). Raised: photographs from a tripod before which much has moved lose each
+    /// other; lowered: a hood or a frame passes for a view.
+    double min_coverage = 0.5;
+};
+
+Result<void> validate(const StillOptions& options);
 
 struct VerifyOptions {
     /// Largest Sampson (E, F) or symmetric transfer (H) error of an inlier [px of the photograph],
@@ -42,6 +76,7 @@ struct VerifyOptions {
     /// them pass; lowered: pairs with many wrong matches are missed. Source: ours, as above: 10000
     /// finds 199 true pairs where this finds 197, and takes six times as long over wrong ones.
     int max_iterations = 1000;
+    StillOptions still;
 };
 
 Result<void> validate(const VerifyOptions& options);

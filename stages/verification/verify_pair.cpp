@@ -11,6 +11,7 @@
 #include "stages/verification/estimate_two_view.h"
 #include "stages/verification/fit_two_view.h"
 #include "stages/verification/match_density.h"
+#include "stages/verification/verify_matches.h"
 
 namespace psfm {
 namespace {
@@ -116,8 +117,8 @@ TwoViewGeometry geometry_of(const TwoViewProblem& problem, const TwoViewModel& m
 
 }  // namespace
 
-Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& asked,
-                                    std::uint64_t seed) {
+Result<TwoViewGeometry> verify_matches(const MatchedViews& views, const VerifyOptions& asked,
+                                       std::uint64_t seed) {
     if (const Result<void> valid = validate(asked); !valid) return valid.error();
     const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
     const Result<TwoViewProblem> made = make_two_view_problem(views, options.max_error_px);
@@ -174,13 +175,18 @@ Result<TwoViewGeometry> with_intrinsics(const TwoViewGeometry& geometry, const M
             }
             break;
         case TwoViewKind::kPlanar:
-        case TwoViewKind::kPureRotation:
             model = fit_homography(problem, stored, std::nullopt, options);
+            break;
+        case TwoViewKind::kPureRotation:
+            // Focal lengths that a panorama suggests are wrong as a rule, and a turn that is seen
+            // through wrong ones looks like a step before a plane.
+            model = fit_turn(problem, stored);
             break;
     }
     TwoViewGeometry seen = geometry_of(problem, model);
     if (seen.inliers.size() < fewest)
         return degenerate(seen.inliers.size(), problem.matches.size(), fewest);
+    seen.still = geometry.still;
     seen.match_density = geometry.match_density;
     seen.core_density = geometry.core_density;
     return seen;

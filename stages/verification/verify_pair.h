@@ -20,9 +20,17 @@ namespace psfm {
 /// - inliers lie in front of both cameras;
 /// - planar pairs of known cameras choose among the homography's poses and the essential matrix's
 /// by
-///   the refined pose, and keep the inliers off the plane.
-/// @return "1" is the views' first image. Inliers lie within max_error_px of the geometry. With an
-///   unknown focal length the pose is that of the cameras' guess (see with_intrinsics).
+///   the refined pose, and keep the inliers off the plane;
+/// - where many matches lie at one place of both images (find_still), the others are asked first.
+///   Where these have a motion of their own that the still ones do not share, the geometry is
+///   theirs, and no still match that contradicts it is an inlier. Where nothing else moves, the
+///   camera stood still if they lie all over the photographs: the pair is a rotation by nothing, or
+///   what it was without this. Else they are no view of anything, and the geometry has no inliers
+///   (is_still_only).
+/// @return "1" is the views' first image; TwoViewGeometry::still is find_still's. Inliers lie
+/// within
+///   max_error_px of the geometry. With an unknown focal length the pose is that of the cameras'
+///   guess (see with_intrinsics).
 /// @errors kTooFewMatches (fewer than min_inliers), kDegenerate (no model has min_inliers and
 ///   min_inlier_ratio, or those that agree lie on one line), kInvalidArgument (options, cameras,
 ///   feature indices)

@@ -115,11 +115,17 @@ VerifiedPairPtr random_pair(ImageId first, ImageId second, std::uint32_t feature
     geometry.median_angle_deg = uniform(rng, 0, 40);
     geometry.match_density = uniform(rng, 0, 1);
     geometry.core_density = uniform(rng, 0, 1);
-    const std::uint32_t count = below(rng, features + 1);
-    std::vector<std::uint32_t> firsts = distinct(count, features, rng);
-    const std::vector<std::uint32_t> seconds = distinct(count, features, rng);
-    std::ranges::sort(firsts);
-    for (std::uint32_t i = 0; i < count; ++i) geometry.inliers.push_back({firsts[i], seconds[i]});
+    const auto random_matches = [&] {
+        std::vector<FeatureMatch> matches;
+        const std::uint32_t count = below(rng, features + 1);
+        std::vector<std::uint32_t> firsts = distinct(count, features, rng);
+        const std::vector<std::uint32_t> seconds = distinct(count, features, rng);
+        std::ranges::sort(firsts);
+        for (std::uint32_t i = 0; i < count; ++i) matches.push_back({firsts[i], seconds[i]});
+        return matches;
+    };
+    geometry.inliers = random_matches();
+    if (below(rng, 2) == 0) geometry.still = random_matches();
     return pair;
 }
 
@@ -180,7 +186,7 @@ bool same(const VerifiedPair& a, const VerifiedPair& b) {
            a.geometry.median_angle_deg == b.geometry.median_angle_deg &&
            a.geometry.match_density == b.geometry.match_density &&
            a.geometry.core_density == b.geometry.core_density &&
-           a.geometry.inliers == b.geometry.inliers;
+           a.geometry.inliers == b.geometry.inliers && a.geometry.still == b.geometry.still;
 }
 
 bool same(const StoredCluster& a, const StoredCluster& b) {

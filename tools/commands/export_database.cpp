@@ -80,12 +80,13 @@ std::optional<Failure> write_pairs(const SessionReader& session, const Contents&
                                               std::to_string(index_of(pair->pair.second)) +
                                               ", which it lacks; `psfm check` lists all damage"});
             }
+            if (is_still_only(pair->geometry)) continue;
             auto done =
                 writer.add_pair(*pair, camera_of(pair->pair.first), camera_of(pair->pair.second));
             if (!done) return of_output(done.error());
             totals.matches += pair->geometry.inliers.size();
+            ++totals.pairs;
         }
-        totals.pairs += pairs->size();
         line.advance();
     }
     return std::nullopt;
