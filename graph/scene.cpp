@@ -18,6 +18,36 @@ const char* describe(WaitReason reason) {
             return "too few consistent points to place it";
         case WaitReason::kSolving:
             return "its cluster is being solved";
+        case WaitReason::kNoParallax:
+            return "no parallax: the camera only turned between it and the others";
+        case WaitReason::kStandsStill:
+            return "what it has in common with others stands still in the photograph";
+        case WaitReason::kTooFewFeatures:
+            return "too few features in it";
+    }
+    return "unknown";
+}
+
+const char* name_of(WaitReason reason) {
+    switch (reason) {
+        case WaitReason::kNone:
+            return "placed";
+        case WaitReason::kTooFewMatches:
+            return "too_few_matches";
+        case WaitReason::kClusterTooSmall:
+            return "cluster_too_small";
+        case WaitReason::kNoSeed:
+            return "no_seed";
+        case WaitReason::kRegistrationFailed:
+            return "registration_failed";
+        case WaitReason::kSolving:
+            return "solving";
+        case WaitReason::kNoParallax:
+            return "no_parallax";
+        case WaitReason::kStandsStill:
+            return "stands_still";
+        case WaitReason::kTooFewFeatures:
+            return "too_few_features";
     }
     return "unknown";
 }

@@ -21,8 +21,13 @@ enum class WaitReason : std::uint8_t {
     kNoSeed = 3,              ///< no pair of its cluster can start a reconstruction
     kRegistrationFailed = 4,  ///< too few consistent 2D-3D correspondences
     kSolving = 5,             ///< its cluster has not been solved since it arrived
+    kNoParallax = 6,          ///< its pairs show that the camera only turned: no depth follows
+    kStandsStill = 7,         ///< what it has in common with others stands still in the photograph
+    kTooFewFeatures = 8,      ///< hardly any feature was found in it
 };
 const char* describe(WaitReason reason);
+/// A word for programs: "no_parallax".
+const char* name_of(WaitReason reason);
 
 /// One cluster of a scene version.
 struct SceneCluster {

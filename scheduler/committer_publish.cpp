@@ -57,8 +57,9 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     stored_version.version = scene->version;
     stored_version.image_count = scene->image_count;
     stored_version.effective_clusters = scene->effective_clusters;
-    stored_version.summary_json = encode_summary(
-        {state_.counts, waiting_images(state_, options_.solve.mu_min), state_.past_events});
+    stored_version.summary_json =
+        encode_summary({state_.counts, waiting_images(state_, options_.solve.mu_min),
+                        state_.past_events, weak_models(state_)});
     if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok()) return done;
     state_.constraints = merged.constraints;
     state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),

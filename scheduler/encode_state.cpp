@@ -40,6 +40,7 @@ std::string encode_solve_state(const StoredSolveState& state) {
                 {"images_at_places", state.state.images_at_places},
                 {"has_strangers", state.state.has_strangers},
                 {"images_at_ties", state.state.images_at_ties},
+                {"weaknesses", state.state.weaknesses.bits},
                 {"settled", state.settled}}
         .dump();
 }
@@ -62,6 +63,7 @@ StoredSolveState decode_solve_state(const std::string& text) {
     count("images_at_start", state.state.images_at_start);
     count("images_at_places", state.state.images_at_places);
     count("images_at_ties", state.state.images_at_ties);
+    count("weaknesses", state.state.weaknesses.bits);
     if (const auto angle = object.find("tolerated_contradiction_deg");
         angle != object.end() && angle->is_number()) {
         state.state.tolerated_contradiction_deg = angle->get<double>();
@@ -80,6 +82,10 @@ std::string encode_summary(const SceneSummary& summary) {
     for (const auto& [image, reason] : summary.waiting)
         waiting.push_back({index_of(image), static_cast<int>(reason)});
     object["waiting_images"] = std::move(waiting);
+    json weak = json::array();
+    for (const WeakModel& model : summary.weak)
+        weak.push_back({index_of(model.cluster), model.images, model.weaknesses.bits});
+    object["weak_models"] = std::move(weak);
     json events = json::array();
     for (const PastEvent& event : summary.events)
         events.push_back({{"image", event.image}, {"event", event.kind}, {"text", event.text}});
@@ -97,10 +103,16 @@ Result<SceneSummary> decode_summary(const std::string& text) {
         summary.counts.version = whole_number_or<std::uint64_t>(object, "version", 0);
         for (const json& entry : object.at("waiting_images")) {
             const auto reason = whole_number<std::uint32_t>(entry.at(1));
-            if (reason > static_cast<std::uint32_t>(WaitReason::kSolving)) continue;
+            if (reason > static_cast<std::uint32_t>(WaitReason::kTooFewFeatures)) continue;
             summary.waiting.emplace_back(
                 static_cast<ImageId>(whole_number<std::uint32_t>(entry.at(0))),
                 static_cast<WaitReason>(reason));
+        }
+        for (const json& entry : object.value("weak_models", json::array())) {
+            summary.weak.push_back(
+                {static_cast<ClusterId>(whole_number<std::uint32_t>(entry.at(0))),
+                 whole_number<std::uint32_t>(entry.at(1)),
+                 {whole_number<std::uint32_t>(entry.at(2))}});
         }
         for (const json& event : object.value("events", json::array())) {
             summary.events.push_back({whole_number<std::uint32_t>(event.at("image")),

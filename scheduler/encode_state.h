@@ -28,7 +28,8 @@ StoredSolveState decode_solve_state(const std::string& json);
 struct SceneSummary {
     SessionCounts counts;
     std::vector<std::pair<ImageId, WaitReason>> waiting;
-    std::deque<PastEvent> events;  ///< oldest first
+    std::deque<PastEvent> events;      ///< oldest first
+    std::vector<WeakModel> weak = {};  ///< ascending by cluster
 };
 std::string encode_summary(const SceneSummary& summary);
 /// @errors kDamaged

@@ -185,6 +185,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     run.counts = committer.state().counts;
     run.usage = times.usage();
     run.usage.threads = threads;
+    run.weak = weak_models(committer.state());
     for (const auto& [image, reason] : waiting_images(committer.state(), options->solve.mu_min)) {
         run.waiting.emplace_back(committer.state().images[index_of(image)].name, reason);
     }

@@ -12,6 +12,7 @@
 #include "scheduler/node_times.h"
 #include "scheduler/salvage.h"
 #include "scheduler/session_config.h"
+#include "scheduler/weak_model.h"
 #include "stages/features/photo_file.h"
 #include "storage/session_store.h"
 
@@ -53,8 +54,9 @@ struct SessionRun {
     bool interrupted = false;  ///< `stop` was set before everything was done
     SessionCounts counts;
     std::vector<std::pair<std::string, WaitReason>>
-        waiting;       ///< names of images in no model, with the reason
-    GraphUsage usage;  ///< what the nodes of the flow graph did
+        waiting;                  ///< names of images in no model, with the reason
+    std::vector<WeakModel> weak;  ///< models that are not to be trusted far
+    GraphUsage usage;             ///< what the nodes of the flow graph did
 };
 
 /// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and

@@ -81,6 +81,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.max_reset_images = 0.0;
         options.solve.places.min_contradictions = 0;
         options.solve.loops.min_open_edges = 0;
+        options.solve.assessment.max_invented = 0.0;
         options.solve.extend_locally_from = 0;
         options.solve.adjust_all_up_to = std::numeric_limits<std::uint32_t>::max();
         options.solve.converge_up_to = std::numeric_limits<std::uint32_t>::max();

@@ -23,6 +23,7 @@
 #include "scheduler/resident_keypoints.h"
 #include "scheduler/resident_models.h"
 #include "scheduler/session_config.h"
+#include "scheduler/weak_model.h"
 #include "stages/clustering/clustering_state.h"
 #include "stages/clustering/select_edges.h"
 #include "stages/merge/cluster_constraint.h"
@@ -89,6 +90,9 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
 
 /// Memory that verified pairs take for as long as the session is open, about.
 std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs);
+
+/// Models that are not to be trusted far, ascending by cluster.
+std::vector<WeakModel> weak_models(const SessionState& state);
 
 /// Members of clusters that are in no published model, with the reason, ascending by image.
 std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,

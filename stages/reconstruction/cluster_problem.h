@@ -17,6 +17,7 @@
 #include "graph/scene.h"
 #include "graph/two_view_geometry.h"
 #include "graph/view_graph.h"
+#include "graph/weakness.h"
 
 namespace psfm {
 
@@ -48,6 +49,7 @@ struct SolveState {
     bool has_strangers = false;
     /// Images of the model when it was last asked which cameras may be one (judge_ties).
     std::uint32_t images_at_ties = 0;
+    Weaknesses weaknesses = {};  ///< of the model, when it was last assessed
     bool operator==(const SolveState&) const = default;
 };
 

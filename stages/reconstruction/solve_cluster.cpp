@@ -299,6 +299,23 @@ void ask_for_places(SolveAttempt& attempt, const ClusterProblem& problem,
     note_asked(attempt.state, attempt.model.images.size());
 }
 
+/// Gives up a model whose depth is invented; says of another one what it is worth.
+/// @return why its images wait where it was given up
+std::optional<WaitReason> assess(SolveAttempt& attempt, const ClusterProblem& problem,
+                                 const SolveOptions& options) {
+    if (attempt.model.images.size() > options.assessment.assess_up_to && !problem.settle)
+        return std::nullopt;
+    if (has_invented_depth(attempt.model, pairs_of(problem), options.assessment)) {
+        const SolveKind kind = attempt.statistics.kind;
+        attempt = SolveAttempt{};
+        attempt.statistics.kind = kind;
+        attempt.places.emplace();
+        return WaitReason::kNoParallax;
+    }
+    attempt.state.weaknesses = weaknesses_of(attempt.model, options.assessment);
+    return std::nullopt;
+}
+
 Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions& options,
                               const std::atomic<bool>* cancel) {
     ClusterSolution solution;
@@ -314,7 +331,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
         });
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
-        reason = WaitReason::kNoSeed;
+        reason = assess(attempt, problem, options).value_or(WaitReason::kNoSeed);
     }
     attempt.statistics.mean_error_px = mean_error_px(attempt.model);
     solution.waiting = waiting_images(problem, attempt.model, reason);

@@ -9,6 +9,7 @@
 #include "stages/clustering/plausibility.h"
 #include "stages/merge/merge_options.h"
 #include "stages/reconstruction/absolute_pose.h"
+#include "stages/reconstruction/assess_model.h"
 #include "stages/reconstruction/average_positions.h"
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/bundle_adjustment.h"
@@ -154,6 +155,8 @@ struct SolveOptions {
     PlaceOptions places;
     /// When images that match and stand apart are brought together.
     LoopOptions loops;
+    /// When a model is none, and when it is a weak one.
+    AssessmentOptions assessment;
     /// How two models that come together in a cluster are joined. Their cameras may interleave: the
     /// clustering has found that they belong together; whether they do is asked of the joined model
     /// (places).

@@ -32,10 +32,11 @@ TEST(PlacedCount, AddsOverClustersWithAModel) {
 
 TEST(WaitReason, EachHasItsOwnWords) {
     std::set<std::string> words;
-    for (std::uint8_t reason = 0; reason <= 5; ++reason) {
+    for (std::uint8_t reason = 0; reason <= 8; ++reason) {
         const std::string description = describe(static_cast<WaitReason>(reason));
         EXPECT_NE(description, "unknown");
         EXPECT_TRUE(words.insert(description).second) << description;
+        EXPECT_TRUE(words.insert(name_of(static_cast<WaitReason>(reason))).second || reason == 0);
     }
 }
 

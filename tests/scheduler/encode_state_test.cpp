@@ -14,7 +14,8 @@ TEST(EncodeState, SolveStateSurvives) {
                                   .new_start_is_due = true,
                                   .images_at_start = 9,
                                   .images_at_places = 16,
-                                  .has_strangers = true},
+                                  .has_strangers = true,
+                                  .weaknesses = {5}},
                                  true};
     const StoredSolveState back = decode_solve_state(encode_solve_state(state));
     EXPECT_EQ(back.state, state.state);
@@ -35,7 +36,9 @@ TEST(EncodeState, SummarySurvives) {
     summary.counts.version = 12;
     summary.counts.solves_extend = 5;
     summary.waiting = {{static_cast<ImageId>(3), WaitReason::kTooFewMatches},
-                       {static_cast<ImageId>(9), WaitReason::kNoSeed}};
+                       {static_cast<ImageId>(9), WaitReason::kNoSeed},
+                       {static_cast<ImageId>(10), WaitReason::kTooFewFeatures}};
+    summary.weak = {{static_cast<ClusterId>(2), 7, {5}}};
     summary.events = {{36, "reset", "cluster 0 was reset: …"}, {40, "join", "cluster 0 …"}};
     const auto back = decode_summary(encode_summary(summary));
     ASSERT_TRUE(back.ok());
@@ -44,6 +47,7 @@ TEST(EncodeState, SummarySurvives) {
     EXPECT_EQ(back->counts.solves_extend, 5U);
     EXPECT_EQ(back->waiting, summary.waiting);
     EXPECT_EQ(back->events, summary.events);
+    EXPECT_EQ(back->weak, summary.weak);
 }
 
 TEST(EncodeState, DamagedSummaryIsReported) {

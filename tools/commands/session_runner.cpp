@@ -16,8 +16,10 @@
 #include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/thread_budget.h"
+#include "tools/commands/waiting_report.h"
 #include "tools/commands/watch_folder.h"
 #include "tools/commands/wording.h"
+#include "tools/report/featureless.h"
 
 namespace psfm {
 namespace {
@@ -58,10 +60,35 @@ void print_summary(const SessionRun& run, const RunRequest& request) {
             std::cout << ' ' << names[i];
         std::cout << (names.size() > 5 ? " …\n" : "\n");
     }
+    for (const WeakModel& model : run.weak) {
+        for (const std::string& line : describe(model)) std::cout << line << '\n';
+    }
     if (counts.placed > 0) {
         std::cout << "Take the model out with: " << command_line("export", request.session)
                   << " --format colmap --output MODEL\n";
     }
+}
+
+/// Tells images that nothing was found in from those that overlap nothing.
+Result<void> refine_reasons(const SessionReader& store, SessionRun& run) {
+    const auto images = store.images();
+    if (!images.ok()) return images.error();
+    std::map<std::string, ImageId> ids;
+    for (const Image& image : *images) ids.emplace(image.name, image.id);
+    std::vector<std::pair<ImageId, WaitReason>> waiting;
+    for (const auto& [name, reason] : run.waiting) waiting.emplace_back(ids.at(name), reason);
+    find_featureless(store, *images, waiting);
+    for (std::size_t i = 0; i < waiting.size(); ++i) run.waiting[i].second = waiting[i].second;
+    return {};
+}
+
+/// The line that says why, and the exit code: it takes other photographs.
+int report_nothing_placed(const SessionRun& run) {
+    std::vector<WaitReason> reasons;
+    for (const auto& [name, reason] : run.waiting) reasons.push_back(reason);
+    return report_error(
+        {ErrorCode::kUnreadable, why_nothing_is_placed(reasons, SolveOptions{}.mu_min)},
+        ErrorOrigin::kOtherInput);
 }
 
 }  // namespace
@@ -147,6 +174,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
         log_failed = progress.log_failed();
     }
     if (!run.ok()) return report_error(run.error());
+    if (const auto found = refine_reasons(store, *run); !found.ok())
+        return report_error(found.error());
     print_summary(*run, request);
     if (run->interrupted) {
         std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
@@ -163,7 +192,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
                                                          " could be used; the reasons stand above"},
                             ErrorOrigin::kOtherInput);
     }
-    return 0;
+    const bool is_done = request.watch || request.salvage != nullptr || run->counts.placed > 0;
+    return is_done ? 0 : report_nothing_placed(*run);
 }
 
 }  // namespace psfm

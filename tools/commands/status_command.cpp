@@ -16,6 +16,7 @@
 #include "tools/commands/geo_report.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
+#include "tools/commands/waiting_report.h"
 #include "tools/commands/wording.h"
 #include "tools/report/status_json.h"
 

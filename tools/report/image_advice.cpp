@@ -4,24 +4,6 @@
 
 namespace psfm {
 
-const char* reason_code(WaitReason reason) {
-    switch (reason) {
-        case WaitReason::kNone:
-            return "placed";
-        case WaitReason::kTooFewMatches:
-            return "too_few_matches";
-        case WaitReason::kClusterTooSmall:
-            return "cluster_too_small";
-        case WaitReason::kNoSeed:
-            return "no_seed";
-        case WaitReason::kRegistrationFailed:
-            return "registration_failed";
-        case WaitReason::kSolving:
-            return "solving";
-    }
-    return "unknown";
-}
-
 const char* advice_for(WaitReason reason) {
     switch (reason) {
         case WaitReason::kNone:
@@ -36,6 +18,13 @@ const char* advice_for(WaitReason reason) {
                    "these";
         case WaitReason::kRegistrationFailed:
             return "add one or two photographs from between this one and the model";
+        case WaitReason::kNoParallax:
+            return "walk between photographs: no depth follows from turning on the spot";
+        case WaitReason::kStandsStill:
+            return "crop away what stands still in the photographs, or take the object before a plain "
+                   "background";
+        case WaitReason::kTooFewFeatures:
+            return "take a sharp, well-lit photograph of something with texture instead";
         case WaitReason::kSolving:
             return "wait for the next version, which takes account of it";
     }

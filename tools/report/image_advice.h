@@ -8,9 +8,6 @@
 
 namespace psfm {
 
-/// What programs call a reason: "too_few_matches"; "placed" for kNone. Stays as it is once given.
-const char* reason_code(WaitReason reason);
-
 /// What a person can do about an image that waits for this reason, in a sentence; empty for kNone.
 const char* advice_for(WaitReason reason);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tools/report/featureless.h"
 #include "tools/report/image_advice.h"
 #include "tools/report/residuals.h"
 
@@ -14,7 +15,7 @@ ImageFact waiting_fact(const Image& image, WaitReason reason) {
     ImageFact fact;
     fact.name = image.name;
     fact.id = image.id;
-    fact.reason = reason_code(reason);
+    fact.reason = name_of(reason);
     fact.words = describe(reason);
     fact.advice = advice_for(reason);
     return fact;
@@ -33,7 +34,7 @@ Result<void> add_placed(const SessionReader& session, InlierCache& cache, Sessio
             if (index_of(image.image) >= facts.facts.size()) continue;
             ImageFact& fact = facts.facts[index_of(image.image)];
             fact.state = ImageState::kPlaced;
-            fact.reason = reason_code(WaitReason::kNone);
+            fact.reason = name_of(WaitReason::kNone);
             fact.words = describe(WaitReason::kNone);
             fact.advice.clear();
             fact.cluster = cluster->id;
@@ -163,6 +164,7 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
         if (!summary) return summary.error();
         facts.summary = *std::move(summary);
     }
+    find_featureless(session, facts.images, facts.summary.waiting);
     std::map<ImageId, WaitReason> reasons(facts.summary.waiting.begin(),
                                           facts.summary.waiting.end());
     for (const Image& image : facts.images) {

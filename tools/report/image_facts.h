@@ -31,7 +31,7 @@ struct ImageFact {
     std::string name;
     std::optional<ImageId> id;  ///< none when it is rejected
     ImageState state = ImageState::kWaiting;
-    std::string reason;  ///< for programs (reason_code), "rejected" for what was turned down
+    std::string reason;  ///< for programs (name_of), "rejected" for what was turned down
     std::string words;   ///< the same for people
     std::string advice;  ///< what to do about it; empty when nothing
     Since since;

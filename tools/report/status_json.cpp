@@ -3,7 +3,10 @@
 #include "tools/report/status_json.h"
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 
 #include "scheduler/camera_report.h"
 
@@ -56,6 +59,28 @@ ordered_json cameras_of(const SessionFacts& facts) {
     return cameras;
 }
 
+ordered_json weak_models_of(const SceneSummary& summary) {
+    ordered_json models = ordered_json::array();
+    for (const WeakModel& model : summary.weak) {
+        ordered_json reasons = ordered_json::array();
+        for (const Weakness weakness : list_of(model.weaknesses))
+            reasons.push_back(name_of(weakness));
+        models.push_back({{"cluster", index_of(model.cluster)},
+                          {"images", model.images},
+                          {"reasons", std::move(reasons)}});
+    }
+    return models;
+}
+
+/// How many images wait for what.
+ordered_json waiting_reasons_of(const SessionFacts& facts) {
+    std::map<std::string, int> counts;
+    for (const ImageFact& fact : facts.facts) {
+        if (fact.state == ImageState::kWaiting) ++counts[fact.reason];
+    }
+    return counts;
+}
+
 ordered_json json_of(const RunState& state) {
     ordered_json object{{"pid", state.pid},
                         {"seconds", state.seconds},
@@ -105,6 +130,8 @@ std::string status_json(const SessionFacts& facts, const std::optional<DatumFact
                              {"cameras", cameras_of(facts)},
                              {"datum", std::move(where)},
                              {"events", std::move(events)},
+                             {"waiting_reasons", waiting_reasons_of(facts)},
+                             {"weak_models", weak_models_of(facts.summary)},
                              {"running", running ? json_of(*running) : ordered_json()},
                              {"image_list", std::move(images)}});
 }

@@ -50,7 +50,7 @@ TEST(ImageAdvice, EveryReasonHasACodeOfItsOwnAndAdvice) {
     std::set<std::string> codes;
     for (int reason = 0; reason <= static_cast<int>(WaitReason::kSolving); ++reason) {
         const auto value = static_cast<WaitReason>(reason);
-        EXPECT_TRUE(codes.insert(reason_code(value)).second) << reason;
+        EXPECT_TRUE(codes.insert(name_of(value)).second) << reason;
         EXPECT_EQ(std::string(advice_for(value)).empty(), value == WaitReason::kNone) << reason;
     }
     EXPECT_FALSE(codes.contains("unknown"));

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/waiting_report.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace psfm {
+namespace {
+
+TEST(WhyNothingIsPlaced, NamesTheCommonestCause) {
+    using R = WaitReason;
+    const std::vector<R> turned{R::kNoParallax, R::kNoParallax, R::kNoParallax, R::kTooFewMatches,
+                                R::kTooFewMatches};
+    EXPECT_NE(why_nothing_is_placed(turned, 5).find("no parallax"), std::string::npos);
+    std::set<std::string> lines;
+    for (const R reason : {R::kTooFewMatches, R::kClusterTooSmall, R::kNoSeed, R::kNoParallax,
+                           R::kStandsStill, R::kTooFewFeatures, R::kSolving}) {
+        const std::string line = why_nothing_is_placed(std::vector<R>(6, reason), 5);
+        EXPECT_TRUE(lines.insert(line).second) << line;
+        EXPECT_TRUE(line.starts_with("nothing could be placed: ")) << line;
+        EXPECT_EQ(line.find('\n'), std::string::npos);
+    }
+}
+
+TEST(WhyNothingIsPlaced, TooFewPhotographsAreTheCauseWhateverElseIs) {
+    const std::vector<WaitReason> few(3, WaitReason::kNoParallax);
+    EXPECT_EQ(why_nothing_is_placed(few, 5),
+              "nothing could be placed: a model takes at least 5 photographs of one place, and "
+              "there are 3; add more");
+}
+
+TEST(DescribeWeakModel, ALineForEachWay) {
+    WeakModel model{ClusterId{4}, 9, {}};
+    EXPECT_TRUE(describe(model).empty());
+    model.weaknesses.add(Weakness::kFewPoints);
+    model.weaknesses.add(Weakness::kSmallAngles);
+    const auto lines = describe(model);
+    ASSERT_EQ(lines.size(), 2U);
+    EXPECT_TRUE(lines.front().starts_with("the model of 9 images in cluster 4 is weak: "));
+}
+
+}  // namespace
+}  // namespace psfm
