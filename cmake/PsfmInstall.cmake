@@ -11,11 +11,11 @@ set(PSFM_INSTALL_CMAKE "${CMAKE_INSTALL_LIBDIR}/cmake/psfm")
 
 foreach(folder IN ITEMS graph stages storage scheduler)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${PSFM_INSTALL_INCLUDE}"
-          FILES_MATCHING PATTERN "*.h")
+          COMPONENT dev FILES_MATCHING PATTERN "*.h")
 endforeach()
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
 
-install(EXPORT psfmTargets NAMESPACE psfm:: DESTINATION "${PSFM_INSTALL_CMAKE}")
+install(EXPORT psfmTargets NAMESPACE psfm:: DESTINATION "${PSFM_INSTALL_CMAKE}" COMPONENT dev)
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/psfmConfig.cmake.in"
                               "${PROJECT_BINARY_DIR}/psfmConfig.cmake"
                               INSTALL_DESTINATION "${PSFM_INSTALL_CMAKE}")
@@ -23,12 +23,12 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/psfmConfigVersion.cmake"
                                  COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/psfmConfig.cmake" "${PROJECT_BINARY_DIR}/psfmConfigVersion.cmake"
               "${CMAKE_CURRENT_LIST_DIR}/PsfmDependencies.cmake"
-        DESTINATION "${PSFM_INSTALL_CMAKE}")
+        DESTINATION "${PSFM_INSTALL_CMAKE}" COMPONENT dev)
 
 # The program is declared later than this file is read.
 function(psfm_install_program)
   if(TARGET psfm)
-    install(TARGETS psfm RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+    install(TARGETS psfm RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
   endif()
 endfunction()
 cmake_language(DEFER CALL psfm_install_program)

@@ -54,7 +54,8 @@ function(psfm_add_library name)
   target_compile_features(psfm_${name} PUBLIC cxx_std_20)
   # What serves the tests or the program alone stays here.
   if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(graph|stages|storage|scheduler)")
-    install(TARGETS psfm_${name} EXPORT psfmTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+    install(TARGETS psfm_${name} EXPORT psfmTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+            COMPONENT dev)
   endif()
 endfunction()
 

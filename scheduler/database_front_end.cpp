@@ -4,10 +4,12 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <mutex>
 
 #include "scheduler/front_end.h"
+#include "stages/features/colour_features.h"
 #include "stages/verification/run_verification.h"
 #include "storage/exchange/colmap_database.h"
 
@@ -23,8 +25,11 @@ std::uint64_t content_hash(const std::string& name, const Keypoints& keypoints) 
 
 class DatabaseFrontEnd final : public FrontEnd {
   public:
-    DatabaseFrontEnd(const FrontEndParts& parts, std::unique_ptr<ColmapDatabase> database)
+    DatabaseFrontEnd(const FrontEndParts& parts, std::unique_ptr<ColmapDatabase> database,
+                     std::filesystem::path photo_folder)
         : store_(*parts.store),
+          features_(parts.options->features),
+          photo_folder_(std::move(photo_folder)),
           options_(parts.options->verification.verify),
           seed_(parts.seed),
           database_(std::move(database)) {
@@ -52,6 +57,9 @@ class DatabaseFrontEnd final : public FrontEnd {
         extracted.metadata.content_hash = content_hash(photo.name, *keypoints);
         extracted.keypoints = *std::move(keypoints);
         extracted.descriptors = *std::move(descriptors);
+        const PhotoFile file{photo_folder_ / photo.name, photo.name};
+        if (photo_folder_.empty() || !std::filesystem::exists(file.path)) return extracted;
+        if (auto added = add_photograph(file, features_, extracted); !added) return added.error();
         return extracted;
     }
 
@@ -138,6 +146,8 @@ class DatabaseFrontEnd final : public FrontEnd {
     }
 
     const SessionReader& store_;
+    FeatureOptions features_;
+    std::filesystem::path photo_folder_;
     VerifyOptions options_;
     std::uint64_t seed_;
     std::unique_ptr<ColmapDatabase> database_;
@@ -149,11 +159,12 @@ class DatabaseFrontEnd final : public FrontEnd {
 }  // namespace
 
 Result<std::unique_ptr<FrontEnd>> make_database_front_end(const FrontEndParts& parts,
-                                                          const std::string& database_file) {
+                                                          const std::string& database_file,
+                                                          const std::string& photo_folder) {
     auto database = ColmapDatabase::open(database_file);
     if (!database.ok()) return database.error();
     return std::unique_ptr<FrontEnd>(
-        std::make_unique<DatabaseFrontEnd>(parts, *std::move(database)));
+        std::make_unique<DatabaseFrontEnd>(parts, *std::move(database), photo_folder));
 }
 
 }  // namespace psfm

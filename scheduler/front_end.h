@@ -64,9 +64,12 @@ Result<std::unique_ptr<FrontEnd>> make_photograph_front_end(const FrontEndParts&
 /// Features and verified matches of a COLMAP database; their geometry is estimated anew, since a
 /// database keeps no relative poses that every version agrees on. An image's "photograph" is its
 /// name in the database.
+/// @param photo_folder  where the photographs are, by these names: features then have their colours
+/// and images what EXIF tells; one that is missing has neither. Empty: none has.
 /// @errors those of ColmapDatabase::open
 Result<std::unique_ptr<FrontEnd>> make_database_front_end(const FrontEndParts& parts,
-                                                          const std::string& database_file);
+                                                          const std::string& database_file,
+                                                          const std::string& photo_folder);
 
 struct Salvage;
 

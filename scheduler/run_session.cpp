@@ -122,9 +122,10 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
                                    state.is_removed(static_cast<ImageId>(i))});
     Result<std::unique_ptr<FrontEnd>> front_end = Error{};
     arena.execute([&] {
-        front_end = config.colmap_database.empty()
-                        ? make_photograph_front_end(parts, config.vocabulary_file)
-                        : make_database_front_end(parts, config.colmap_database);
+        front_end =
+            config.colmap_database.empty()
+                ? make_photograph_front_end(parts, config.vocabulary_file)
+                : make_database_front_end(parts, config.colmap_database, config.database_photos);
     });
     if (front_end.ok() && salvage != nullptr)
         return make_salvage_front_end(parts, *std::move(front_end), *salvage);

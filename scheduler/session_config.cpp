@@ -96,6 +96,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
                      "unknown preset '" + config.preset + "'; there are default and paper"};
     }
     if (const auto set = set_options(options, config.options); !set.ok()) return set.error();
+    if (config.keep_world) options.merge.use_gps = false;
     return options;
 }
 
@@ -115,6 +116,10 @@ std::string encode_config(const SessionConfig& config) {
                 {"vocabulary", config.vocabulary_file},
                 {"masks", config.masks},
                 {"colmap_database", config.colmap_database},
+                {"database_photos", config.database_photos},
+                {"image_ids", config.image_ids},
+                {"camera_ids", config.camera_ids},
+                {"keep_world", config.keep_world},
                 {"order", config.order},
                 {"history", std::string(history_name(config.history))},
                 {"options", config.options},
@@ -147,6 +152,10 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.vocabulary_file = object.at("vocabulary").get<std::string>();
         config.masks = object.value("masks", "");
         config.colmap_database = object.value("colmap_database", "");
+        config.database_photos = object.value("database_photos", "");
+        config.image_ids = object.value("image_ids", std::vector<std::uint32_t>{});
+        config.camera_ids = object.value("camera_ids", std::vector<std::uint32_t>{});
+        config.keep_world = object.value("keep_world", false);
         config.order = object.at("order").get<std::vector<std::string>>();
         const auto history = history_from_name(object.value("history", "poses"));
         if (!history) return Error{ErrorCode::kDamaged, "settings name an unknown history"};

@@ -43,6 +43,16 @@ struct SessionConfig {
     std::string vocabulary_file;  ///< empty: trained from the session's own descriptors
     /// Absolute path of the COLMAP database that images and matches come from; empty: photographs.
     std::string colmap_database;
+    /// Absolute path of the folder that has the database's photographs, by name; empty: none is
+    /// known, and features have no colours.
+    std::string database_photos = {};
+    /// Of a session that began with another program's model: the ids that its images and cameras
+    /// had there, by ours, for exports. Later ones follow the largest. Empty: ours plus one.
+    std::vector<std::uint32_t> image_ids = {};
+    std::vector<std::uint32_t> camera_ids = {};
+    /// The world stays the frame that it is, whatever positions photographs have: that of a model
+    /// that the session began with.
+    bool keep_world = false;
     std::vector<std::string> order;  ///< names in order of arrival; empty: by name
     History history = History::kPoses;
     /// Values of options (option_table.h) that differ from the preset's: as the user set them, and

@@ -52,6 +52,7 @@ int run(int argc, char** argv) {
     psfm::add_report_command(app, exit_code);
     psfm::add_view_command(app, exit_code);
     psfm::add_export_command(app, exit_code);
+    psfm::add_localise_command(app, exit_code);
     psfm::add_evaluate_command(app, exit_code);
     psfm::add_check_command(app, exit_code);
     psfm::add_repair_command(app, exit_code);
@@ -60,6 +61,7 @@ int run(int argc, char** argv) {
     psfm::add_options_command(app, exit_code);
     psfm::add_vocabulary_command(app, exit_code);
     psfm::add_simulate_command(app, exit_code);
+    psfm::add_doctor_command(app, exit_code);
     const auto is_asked = [&](const CLI::App* command) { return command->check_name(argv[1]); };
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_asked).empty()) {
         std::cerr << "psfm: there is no command '" << argv[1] << "'; psfm --help lists them\n";

@@ -98,4 +98,8 @@ Result<HeifPhoto> decode_heif(std::span<const std::uint8_t> bytes, double max_pi
     return photo;
 }
 
+bool can_decode_heif() {
+    return heif_have_decoder_for_format(heif_compression_HEVC) != 0;
+}
+
 }  // namespace psfm

@@ -26,4 +26,8 @@ struct HeifPhoto {
 /// Thread-safe.
 Result<HeifPhoto> decode_heif(std::span<const std::uint8_t> bytes, double max_pixels);
 
+/// Whether libheif has a decoder of HEVC, which HEIC photographs are: Debian 13 has it in a package
+/// of its own. Thread-safe.
+bool can_decode_heif();
+
 }  // namespace psfm

@@ -9,33 +9,14 @@
 #include <utility>
 
 #include "stages/features/extract_sift.h"
-#include "stages/features/focal_prior.h"
 #include "stages/features/photo_mask.h"
+#include "stages/features/photo_metadata.h"
 #include "stages/features/picture_signature.h"
 #include "stages/features/read_photo.h"
 #include "stages/features/text.h"
 
 namespace psfm {
 namespace {
-
-PhotoMetadata make_metadata(const DecodedPhoto& photo, FilmEquivalent film) {
-    const ExifTags& tags = photo.exif;
-    PhotoMetadata metadata;
-    metadata.width = static_cast<std::uint32_t>(photo.colour.cols);
-    metadata.height = static_cast<std::uint32_t>(photo.colour.rows);
-    metadata.content_hash = photo.content_hash;
-    metadata.make = tags.make;
-    metadata.model = tags.model;
-    const FocalPrior prior = focal_prior(tags, metadata.width, metadata.height, film);
-    metadata.focal_px = prior.focal_px;
-    metadata.focal_is_vague = prior.is_vague;
-    metadata.digital_zoom = tags.digital_zoom;
-    metadata.focal_mm = tags.focal_mm;
-    // HEIF pictures come upright; see decode_heif().
-    metadata.orientation = photo.format == PhotoFormat::kHeif ? std::uint8_t{1} : tags.orientation;
-    metadata.gps = tags.gps;
-    return metadata;
-}
 
 /// Adds what a mask file hides, if there is one, to what the photograph itself does.
 Result<void> apply_mask_file(const PhotoFile& photo, const std::filesystem::path& masks,
@@ -60,7 +41,7 @@ Result<ExtractedPhoto> extract(const PhotoFile& photo, const FeatureOptions& opt
     if (Result<void> valid = validate(options); !valid) return valid.error();
     Result<DecodedPhoto> decoded = read_photo(photo, options.read);
     if (!decoded) return decoded.error();
-    PhotoMetadata metadata = make_metadata(*decoded, options.film_equivalent);
+    PhotoMetadata metadata = photo_metadata(*decoded, options.film_equivalent);
     std::uint64_t mask_hash = 0;
     if (Result<void> masked =
             apply_mask_file(photo, options.masks, metadata, (*decoded).mask, mask_hash);

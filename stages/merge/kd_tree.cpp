@@ -2,79 +2,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/kd_tree.h"
 
+#include <flann/algorithms/dist.h>
+#include <flann/algorithms/kdtree_single_index.h>
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace psfm {
+namespace {
 
-KdTree::KdTree(std::vector<Eigen::Vector3d> points)
-    : points_(std::move(points)), order_(points_.size()) {
-    std::iota(order_.begin(), order_.end(), 0U);
-    build(0, order_.size(), 0);
+using Index = flann::KDTreeSingleIndex<flann::L2_3D<double>>;
+using Results = flann::ResultSet<double>;
+static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+
+/// The nearest point but one, if it is nearer than a limit.
+class NearestBut final : public Results {
+  public:
+    NearestBut(std::size_t excluded, double limit) : excluded_(excluded), best_(limit) {}
+    bool full() const override { return true; }
+    void addPoint(double squared, std::size_t index) override {
+        if (index != excluded_) best_ = std::min(best_, squared);
+    }
+    double worstDist() const override { return best_; }
+
+  private:
+    std::size_t excluded_;
+    double best_;  // squared
+};
+
+/// All points nearer than a distance.
+class Nearer final : public Results {
+  public:
+    explicit Nearer(double squared) : squared_(squared) {}
+    bool full() const override { return true; }
+    void addPoint(double /*squared*/, std::size_t index) override {
+        found.push_back(static_cast<std::uint32_t>(index));
+    }
+    double worstDist() const override { return squared_; }
+
+    std::vector<std::uint32_t> found;
+
+  private:
+    double squared_;
+};
+
+}  // namespace
+
+struct KdTree::Tree {
+    explicit Tree(std::vector<Eigen::Vector3d> given)
+        : points(std::move(given)),
+          // FLANN wants mutable rows, but only reads them.
+          index(flann::Matrix<double>(points.front().data(), points.size(), 3)) {
+        index.buildIndex();
+    }
+    void search(const Eigen::Vector3d& query, Results& results) const {
+        index.findNeighbors(results, query.data(), flann::SearchParams());
+    }
+
+    std::vector<Eigen::Vector3d> points;
+    Index index;
+};
+
+KdTree::KdTree(std::vector<Eigen::Vector3d> points) {
+    if (!points.empty()) tree_ = std::make_shared<const Tree>(std::move(points));
 }
 
-void KdTree::build(std::size_t first, std::size_t last, int axis) {
-    if (last - first < 2) return;
-    const std::size_t middle = first + (last - first) / 2;
-    const auto at = [this](std::size_t k) {
-        return order_.begin() + static_cast<std::ptrdiff_t>(k);
-    };
-    std::nth_element(at(first), at(middle), at(last), [&](std::uint32_t p, std::uint32_t q) {
-        return std::pair(points_[p][axis], p) < std::pair(points_[q][axis], q);
-    });
-    build(first, middle, (axis + 1) % 3);
-    build(middle + 1, last, (axis + 1) % 3);
+const std::vector<Eigen::Vector3d>& KdTree::points() const {
+    static const std::vector<Eigen::Vector3d> kNoPoints;
+    return tree_ ? tree_->points : kNoPoints;
 }
 
 double KdTree::nearest_distance(const Eigen::Vector3d& query, std::size_t excluded) const {
-    double best = std::numeric_limits<double>::infinity();
-    search(0, order_.size(), 0, query, excluded, best);
-    return std::sqrt(best);
+    NearestBut nearest(excluded, std::numeric_limits<double>::infinity());
+    if (tree_) tree_->search(query, nearest);
+    return std::sqrt(nearest.worstDist());
 }
 
 bool KdTree::has_nearer(const Eigen::Vector3d& query, double distance, std::size_t excluded) const {
     const double limit = distance * distance;
-    double best = limit;
-    search(0, order_.size(), 0, query, excluded, best);
-    return best < limit;
-}
-
-void KdTree::search(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
-                    std::size_t excluded, double& best) const {
-    if (first >= last) return;
-    const std::size_t middle = first + (last - first) / 2;
-    const std::uint32_t index = order_[middle];
-    if (index != excluded) best = std::min(best, (points_[index] - query).squaredNorm());
-    const double offset = query[axis] - points_[index][axis];
-    const int next = (axis + 1) % 3;
-    const bool below = offset < 0.0;
-    search(below ? first : middle + 1, below ? middle : last, next, query, excluded, best);
-    if (offset * offset < best) {
-        search(below ? middle + 1 : first, below ? last : middle, next, query, excluded, best);
-    }
+    NearestBut nearest(excluded, limit);
+    if (tree_) tree_->search(query, nearest);
+    return nearest.worstDist() < limit;
 }
 
 std::vector<std::uint32_t> KdTree::nearer_than(const Eigen::Vector3d& query,
                                                double distance) const {
-    std::vector<std::uint32_t> found;
-    collect(0, order_.size(), 0, query, distance * distance, found);
-    std::ranges::sort(found);
-    return found;
-}
-
-void KdTree::collect(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
-                     double squared, std::vector<std::uint32_t>& found) const {
-    if (first >= last) return;
-    const std::size_t middle = first + (last - first) / 2;
-    const std::uint32_t index = order_[middle];
-    if ((points_[index] - query).squaredNorm() < squared) found.push_back(index);
-    const double offset = query[axis] - points_[index][axis];
-    const int next = (axis + 1) % 3;
-    const bool beyond = offset * offset >= squared;
-    if (offset < 0.0 || !beyond) collect(first, middle, next, query, squared, found);
-    if (offset >= 0.0 || !beyond) collect(middle + 1, last, next, query, squared, found);
+    Nearer nearer(distance * distance);
+    if (tree_) tree_->search(query, nearer);
+    std::ranges::sort(nearer.found);
+    return std::move(nearer.found);
 }
 
 }  // namespace psfm

@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace psfm {
 
 /// Nearest neighbours among fixed points in space: exact, for camera centres, of which there are
-/// tens to thousands. Thread-safe for reading.
+/// tens to thousands. FLANN's KDTreeSingleIndex, the one of its indices that uses no random
+/// numbers. Thread-safe for reading; copies share the tree.
 class KdTree {
   public:
     static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -19,8 +21,8 @@ class KdTree {
     KdTree() = default;
     explicit KdTree(std::vector<Eigen::Vector3d> points);
 
-    std::size_t size() const { return points_.size(); }
-    const std::vector<Eigen::Vector3d>& points() const { return points_; }
+    std::size_t size() const { return points().size(); }
+    const std::vector<Eigen::Vector3d>& points() const;
 
     /// Distance from `query` to the nearest point but `excluded`; infinity without any.
     double nearest_distance(const Eigen::Vector3d& query, std::size_t excluded = kNone) const;
@@ -32,16 +34,8 @@ class KdTree {
     std::vector<std::uint32_t> nearer_than(const Eigen::Vector3d& query, double distance) const;
 
   private:
-    /// Sorts order_[first, last) into a balanced tree with its root in the middle.
-    void build(std::size_t first, std::size_t last, int axis);
-    /// @param best  squared distance of the nearest so far; farther ones are not looked at
-    void search(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
-                std::size_t excluded, double& best) const;
-    void collect(std::size_t first, std::size_t last, int axis, const Eigen::Vector3d& query,
-                 double squared, std::vector<std::uint32_t>& found) const;
-
-    std::vector<Eigen::Vector3d> points_;
-    std::vector<std::uint32_t> order_;
+    struct Tree;
+    std::shared_ptr<const Tree> tree_;  // null: no points
 };
 
 }  // namespace psfm

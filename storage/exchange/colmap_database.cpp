@@ -43,6 +43,7 @@ struct ColmapDatabase::Connection {
     SqliteConnection database;
     std::optional<colmap::BlockReader> keypoints, descriptors, matches;
     std::map<std::uint32_t, Entry> entries;  ///< of every image
+    std::size_t pairs = 0;                   ///< verified, of images that are there
 };
 
 namespace {
@@ -116,6 +117,7 @@ Result<void> ColmapDatabase::Connection::open(const std::filesystem::path& file)
     made = BlockReader::make(database, "descriptors", "image_id", 1, {Descriptors::kSize});
     if (!made) return made.error();
     descriptors = *std::move(made);
+    descriptors->pass_over_others();
     made =
         BlockReader::make(database, "two_view_geometries", "pair_id", sizeof(std::uint32_t), {2});
     if (!made) return made.error();
@@ -154,6 +156,7 @@ Result<void> ColmapDatabase::Connection::read_entries() {
             const auto second = entries.find(pair->second);
             if (first == entries.end() || second == entries.end()) return {};
             if (!counts(static_cast<PairConfig>(config))) return {};
+            ++pairs;
             first->second.partners.push_back(pair->second);
             second->second.partners.push_back(pair->first);
             return {};
@@ -206,6 +209,10 @@ Result<std::unique_ptr<ColmapDatabase>> ColmapDatabase::open(const std::filesyst
     }
     if (auto read = connection.read_entries(); !read) return read.error();
     return result;
+}
+
+std::size_t ColmapDatabase::verified_pairs() const {
+    return connection_->pairs;
 }
 
 Result<Keypoints> ColmapDatabase::keypoints(std::uint32_t image) const {

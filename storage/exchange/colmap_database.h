@@ -51,11 +51,15 @@ class ColmapDatabase {
     /// By database id. prior_focal_length gives kExif, otherwise kUnknown.
     const std::map<std::uint32_t, Camera>& cameras() const { return cameras_; }
 
+    /// Pairs with verified matches; 0 where no matcher has run.
+    std::size_t verified_pairs() const;
+
     /// COLMAP's pixel coordinates are psfm's. Scale and angle from 4 columns, or from the affine
     /// shape of 6; scale 1 and angle 0 from 2, and scale 1 for 0. In the database's order: matches
     /// refer to it. An image without a row has no features.
     Result<Keypoints> keypoints(std::uint32_t image) const;
-    /// Empty when the database has none for the image. @errors kDamaged unless 128 bytes a row
+    /// Empty when the database has none for the image, or others than SIFT's of 128 bytes (COLMAP 4
+    /// has ALIKED's of 512): what matches were made of is not asked.
     Result<Descriptors> descriptors(std::uint32_t image) const;
     /// All verified partners, ascending by `other`; configurations that COLMAP calls degenerate or
     /// watermark are left out. Each feature is at most once a side: of several matches (some

@@ -78,6 +78,9 @@ class BlockReader {
                                     const std::string& key, std::size_t element_size,
                                     std::initializer_list<std::uint32_t> allowed_cols);
 
+    /// Rows of other columns are passed over, as if they were not there, instead of an error.
+    void pass_over_others() { passes_over_others_ = true; }
+
     /// 0 rows when the table has no such key. @errors kDamaged
     Result<Block> read(std::int64_t key);
 
@@ -88,6 +91,7 @@ class BlockReader {
     std::string table_;
     std::size_t element_size_ = 1;
     std::vector<std::uint32_t> allowed_cols_;
+    bool passes_over_others_ = false;
     SqliteStatement shape_;
     SqliteStatement data_;
 };

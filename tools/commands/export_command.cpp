@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "scheduler/session_config.h"
 #include "storage/exchange/dataset_model.h"
 #include "storage/exchange/export_models.h"
 #include "storage/exchange/write_models.h"
@@ -89,7 +90,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     const auto settings = (*session)->settings();
     if (!settings) return report_error(settings.error());
 
-    const auto models = export_models(
+    auto models = export_models(
         *scene, *images, [&](ImageId image) { return (*session)->keypoints(image); },
         feature_use(*format));
     if (!models) return report_error(models.error());
@@ -119,6 +120,12 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
         options.up.push_back(up_in_model(model, known, reference.has_value()));
     }
     options.geo_files = geo_files(reference, parts, known);
+    const auto config = decode_config(settings->settings_json);
+    const bool colmap = *format == ExportFormat::kColmap || *format == ExportFormat::kColmapText;
+    if (config && colmap && !config->image_ids.empty()) {
+        for (ExportedModel& model : *models)
+            model = renumbered(std::move(model), config->image_ids, config->camera_ids);
+    }
     const auto written = write_models(*models, *format, arguments.output, options);
     if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
     print_summary(*models, *written);

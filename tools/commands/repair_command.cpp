@@ -194,7 +194,7 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
 
     RunRequest request;
     request.session = folders.session;
-    request.input = settings->photo_folder;
+    request.input = input_of(*settings, *config);
     request.config = *std::move(config);
     request.execution.threads = arguments.threads;
     request.log_file = arguments.log;

@@ -63,7 +63,7 @@ int resume(const ResumeArguments& arguments) {
     if (!config.ok()) return report_error(config.error());
     RunRequest request;
     request.session = arguments.session;
-    request.input = settings->photo_folder;
+    request.input = input_of(*settings, *config);
     request.config = *std::move(config);
     if (arguments.is_memory_given && request.config.memory_mib != arguments.memory_mib) {
         request.config.memory_mib = arguments.memory_mib;

@@ -51,6 +51,7 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
     if (!is_given(command, "--history")) asked.history = begun.history;
     if (!is_given(command, "--memory")) asked.memory_mib = begun.memory_mib;
     if (!is_given(command, "--masks")) asked.masks = begun.masks;
+    if (!is_given(command, "--images")) asked.database_photos = begun.database_photos;
     if (begun.colmap_database != asked.colmap_database) {
         return Error{ErrorCode::kInvalidArgument,
                      begun.colmap_database.empty()
@@ -59,6 +60,9 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
                          : "the session was begun from " + begun.colmap_database +
                                "; continue it with `psfm import` and that file"};
     }
+    asked.image_ids = begun.image_ids;
+    asked.camera_ids = begun.camera_ids;
+    asked.keep_world = begun.keep_world;
     for (const auto& [name, given] : begun.given_cameras)
         asked.given_cameras.try_emplace(name, given);
     return asked;
@@ -219,8 +223,11 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
         return report_error(done.error(), ErrorOrigin::kOtherInput);
     // All of them, so that the session goes on as it began.
     request.config.options = option_values(*stage_options(request.config));
-    request.settings = SessionSettings{std::filesystem::absolute(input).lexically_normal().string(),
-                                       encode_config(request.config)};
+    const std::filesystem::path photos =
+        request.config.database_photos.empty() ? input : request.config.database_photos;
+    request.settings =
+        SessionSettings{std::filesystem::absolute(photos).lexically_normal().string(),
+                        encode_config(request.config)};
     return run_and_report(**store, request);
 }
 

@@ -113,6 +113,10 @@ Result<FoundPhotos> photos_by_name(const RunRequest& request) {
     return found;
 }
 
+std::filesystem::path input_of(const SessionSettings& settings, const SessionConfig& config) {
+    return config.colmap_database.empty() ? settings.photo_folder : config.colmap_database;
+}
+
 Result<std::set<std::string>> known_names(const SessionReader& store) {
     const auto images = store.images();
     if (!images.ok()) return images.error();

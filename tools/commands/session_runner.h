@@ -51,6 +51,9 @@ Result<FoundPhotos> photos_by_name(const RunRequest& request);
 /// @errors kNotFound (folder of masks), those of the store
 Result<void> compare_photos(RunRequest& request, const SessionReader& store, bool names_masks);
 
+/// What a stored session's images come from: its folder, or the database.
+std::filesystem::path input_of(const SessionSettings& settings, const SessionConfig& config);
+
 /// Names of all photographs that a session has looked at, accepted or not.
 Result<std::set<std::string>> known_names(const SessionReader& store);
 

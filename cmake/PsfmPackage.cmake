@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# `cpack` in a release build makes two Debian packages: psfm, the program with its manual pages, completions and
+# documents, and libpsfm-dev, the libraries and headers. Build on the release that they are for: what they depend on is
+# read from the program itself (dpkg-shlibdeps). tools/package/make-packages does all of it.
+option(PSFM_MANUALS "Manual pages and completions, made by running psfm, are part of what is installed" OFF)
+
+if(PSFM_MANUALS)
+  find_package(Python3 COMPONENTS Interpreter REQUIRED)
+  set(PSFM_MANUAL_FOLDER "${PROJECT_BINARY_DIR}/manuals")
+  add_custom_command(OUTPUT "${PSFM_MANUAL_FOLDER}/bash/psfm"
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/package/make-manuals" "$<TARGET_FILE:psfm>"
+            "${PSFM_MANUAL_FOLDER}"
+    DEPENDS psfm "${PROJECT_SOURCE_DIR}/tools/package/make-manuals" VERBATIM)
+  add_custom_target(psfm_manuals ALL DEPENDS "${PSFM_MANUAL_FOLDER}/bash/psfm")
+  # Debian wants them compressed, with nothing in them that differs from build to build.
+  install(CODE "file(REMOVE_RECURSE \"${PSFM_MANUAL_FOLDER}/gz\")
+file(COPY \"${PSFM_MANUAL_FOLDER}/man1\" DESTINATION \"${PSFM_MANUAL_FOLDER}/gz\")
+file(GLOB pages \"${PSFM_MANUAL_FOLDER}/gz/man1/*.1\")
+execute_process(COMMAND gzip -9n \${pages} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
+  install(DIRECTORY "${PSFM_MANUAL_FOLDER}/gz/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT program)
+  install(FILES "${PSFM_MANUAL_FOLDER}/bash/psfm" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"
+          COMPONENT program)
+  install(FILES "${PSFM_MANUAL_FOLDER}/zsh/_psfm" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions"
+          COMPONENT program)
+endif()
+install(FILES "${PROJECT_SOURCE_DIR}/README.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program
+        FILES_MATCHING PATTERN "*.md" PATTERN "experiments" EXCLUDE PATTERN "performance" EXCLUDE)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME psfm)
+set(CPACK_PACKAGE_VENDOR "the psfm authors")
+set(CPACK_PACKAGE_CONTACT "the psfm authors <psfm@localhost>")
+set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${CPACK_PACKAGE_CONTACT}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL program dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+if(EXISTS /etc/os-release)
+  file(STRINGS /etc/os-release id REGEX "^ID=")
+  file(STRINGS /etc/os-release version REGEX "^VERSION_ID=")
+  string(REGEX REPLACE "[A-Z_=\"]" "" release "${id}${version}")
+  set(CPACK_DEBIAN_PACKAGE_RELEASE "1~${release}")  # 1~debian12
+endif()
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME psfm)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "liblensfun-data-v1")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "progressive Structure from Motion
+ Photographs in, camera poses and a sparse 3D model out, while they arrive:
+ after every image there is a current model, stored, exportable, and open to
+ revision. Exports for COLMAP, Gaussian splatting and multi-view stereo.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpsfm-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+string(JOIN ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS libeigen3-dev libceres-dev libsuitesparse-dev libopenblas-dev
+       libtbb-dev libopencv-dev libflann-dev libexiv2-dev liblensfun-dev libglib2.0-dev libgeographiclib-dev
+       libheif-dev librocksdb-dev libflatbuffers-dev libxxhash-dev libsqlite3-dev libcli11-dev nlohmann-json3-dev
+       pkg-config)
+set(CPACK_COMPONENT_DEV_DESCRIPTION "progressive Structure from Motion, libraries
+ Static libraries, headers and a CMake package (find_package(psfm CONFIG)) of
+ the stages, the session store and the flow graph of psfm.")
+include(CPack)

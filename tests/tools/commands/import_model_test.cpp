@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+// `psfm import --colmap-model`: what goes in comes out.
+#include <gtest/gtest.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/write_models.h"
+#include "storage/session_store.h"
+#include "tests/storage/exchange/example_model.h"
+#include "tests/tools/commands/dataset_session.h"
+#include "tools/commands/commands.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int exit_code = 0;
+    std::string output;
+    std::string errors;
+};
+
+Outcome run(std::vector<std::string> arguments) {
+    CLI::App app{"psfm"};
+    app.require_subcommand(1);
+    Outcome outcome;
+    add_export_command(app, outcome.exit_code);
+    add_import_command(app, outcome.exit_code);
+    std::ranges::reverse(arguments);
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    try {
+        app.parse(arguments);
+    } catch (const CLI::ParseError& error) {
+        outcome.exit_code = app.exit(error) == 0 ? 0 : 2;
+    }
+    outcome.output = testing::internal::GetCapturedStdout();
+    outcome.errors = testing::internal::GetCapturedStderr();
+    return outcome;
+}
+
+/// A COLMAP model of the nine photographs of DatasetSession's first part, with ids that have gaps.
+class ImportModel : public testing::Test {
+  protected:
+    ImportModel() {
+        const Outcome exported = run({"export", "--session", session_.session(), "--format",
+                                      "colmap", "--output", place("made")});
+        EXPECT_EQ(exported.exit_code, 0) << exported.errors;
+        auto model = read_colmap_model(place("made/0"));
+        EXPECT_TRUE(model);
+        const std::vector<std::uint32_t> image_ids{2, 3, 5, 8, 13, 21, 34, 55, 89};
+        const std::vector<std::uint32_t> camera_ids{4, 6, 9};
+        model_ = renumbered(*std::move(model), image_ids, camera_ids);
+        EXPECT_TRUE(write_models(std::vector{model_}, ExportFormat::kColmap, place("given")));
+        // The other part's photographs would be new.
+        fs::remove_all(session_.photo_folder() / "far");
+    }
+
+    std::string place(const std::string& name) const { return (folder_.path() / name).string(); }
+    std::string photos() const { return session_.photo_folder().string(); }
+
+    test::TemporaryFolder folder_;
+    test::DatasetSession session_{folder_.path()};
+    ExportedModel model_;
+};
+
+TEST_F(ImportModel, UnchangedItIsTheSameModel) {
+    const Outcome imported = run({"import", "--session", place("taken"), "--colmap-model",
+                                  place("given/0"), "--images", photos()});
+    ASSERT_EQ(imported.exit_code, 0) << imported.errors;
+    EXPECT_NE(imported.output.find("taken over: 9 images, 9 points"), std::string::npos)
+        << imported.output;
+    EXPECT_FALSE(fs::exists(place("taken.importing")));
+    ASSERT_EQ(run({"export", "--session", place("taken"), "--format", "colmap", "--output",
+                   place("again")})
+                  .exit_code,
+              0);
+    const auto again = read_colmap_model(place("again/0"));
+    ASSERT_TRUE(again);
+    ASSERT_EQ(again->images.size(), model_.images.size());
+    ASSERT_EQ(again->cameras.size(), model_.cameras.size());
+    ASSERT_EQ(again->points.size(), model_.points.size());
+    for (std::size_t i = 0; i < model_.images.size(); ++i) {
+        const ExportedImage& before = model_.images[i];
+        const ExportedImage& after = again->images[i];
+        EXPECT_EQ(after.id, before.id);
+        EXPECT_EQ(after.name, before.name);
+        EXPECT_EQ(after.camera_id, before.camera_id);
+        EXPECT_LT(angle_between(after.cam_from_world.rotation, before.cam_from_world.rotation),
+                  1e-9);
+        EXPECT_LT((after.cam_from_world.translation - before.cam_from_world.translation).norm(),
+                  1e-9);
+        // The model's features come first, in their order.
+        ASSERT_GE(after.keypoints.size(), before.keypoints.size());
+        for (std::size_t k = 0; k < before.keypoints.size(); ++k) {
+            EXPECT_NEAR(after.keypoints[k].x, before.keypoints[k].x, 1e-9);
+            EXPECT_NEAR(after.keypoints[k].y, before.keypoints[k].y, 1e-9);
+        }
+    }
+    for (std::size_t c = 0; c < model_.cameras.size(); ++c) {
+        EXPECT_EQ(again->cameras[c].id, model_.cameras[c].id);
+        EXPECT_EQ(again->cameras[c].camera.params, model_.cameras[c].camera.params);
+    }
+    for (std::size_t p = 0; p < model_.points.size(); ++p) {
+        EXPECT_LT((again->points[p].position - model_.points[p].position).norm(), 1e-9);
+        EXPECT_EQ(again->points[p].track, model_.points[p].track);
+    }
+    // The same command again has nothing to do.
+    const Outcome again_imported = run({"import", "--session", place("taken"), "--colmap-model",
+                                        place("given/0"), "--images", photos()});
+    EXPECT_EQ(again_imported.exit_code, 0) << again_imported.errors;
+    EXPECT_NE(again_imported.output.find("no photograph"), std::string::npos);
+}
+
+TEST_F(ImportModel, WhatCannotBeTakenOverLeavesNoSession) {
+    const std::string images = test::file_bytes(fs::path(place("given/0")) / "images.bin");
+    test::put_file(fs::path(place("cut")) / "images.bin", images.substr(0, images.size() / 2));
+    fs::copy_file(fs::path(place("given/0")) / "cameras.bin",
+                  fs::path(place("cut")) / "cameras.bin");
+    fs::copy_file(fs::path(place("given/0")) / "points3D.bin",
+                  fs::path(place("cut")) / "points3D.bin");
+    const std::vector<std::vector<std::string>> bad{
+        {"--colmap-model", place("cut"), "--images", photos()},
+        {"--colmap-model", place("none"), "--images", photos()},
+        {"--colmap-model", place("given/0"), "--images", place("given")},
+        {"--colmap-model", place("given/0"), "--images", photos(), "--colmap-database",
+         place("given/0/images.bin")}};
+    for (const auto& options : bad) {
+        std::vector<std::string> arguments{"import", "--session", place("never")};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        const Outcome refused = run(arguments);
+        EXPECT_EQ(refused.exit_code, 3) << options[1] << refused.errors;
+        EXPECT_NE(refused.errors.find(folder_.path().string()), std::string::npos)
+            << refused.errors;
+        EXPECT_FALSE(fs::exists(place("never"))) << options[1];
+        EXPECT_FALSE(fs::exists(place("never.importing")));
+    }
+    EXPECT_EQ(
+        run({"import", "--session", place("never"), "--colmap-model", place("given/0")}).exit_code,
+        2);
+    EXPECT_EQ(run({"import", "--session", place("never")}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace psfm
