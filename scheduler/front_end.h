@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -46,12 +47,17 @@ struct CommittedImage {
     bool removed = false;  ///< nobody's candidate
 };
 
+/// Who reads photographs and extracts their features, where run_features in this process is not to.
+/// Thread-safe; results and errors as those of run_features.
+using PhotoExtractor = std::function<Result<ExtractedPhoto>(const PhotoFile&)>;
+
 /// What a front end is made from.
 struct FrontEndParts {
     const SessionReader* store = nullptr;   ///< outlives the front end
     const StageOptions* options = nullptr;  ///< outlives the front end
     std::uint64_t seed = 0;
     std::vector<CommittedImage> committed;  ///< ascending by id
+    PhotoExtractor extract = {};            ///< empty: run_features
 };
 
 /// Photographs: SIFT, retrieval with a vocabulary, matching.

@@ -19,6 +19,7 @@ class PhotographFrontEnd final : public FrontEnd {
         : store_(*parts.store),
           options_(*parts.options),
           seed_(parts.seed),
+          extract_(parts.extract),
           retrieval_(std::move(retrieval)) {
         for (const CommittedImage& known : parts.committed) {
             known_.push_back({known.image.id, known.camera, known.image.metadata.content_hash});
@@ -28,7 +29,7 @@ class PhotographFrontEnd final : public FrontEnd {
     }
 
     Result<ExtractedPhoto> extract(const PhotoFile& photo) const override {
-        return run_features(photo, options_.features);
+        return extract_ ? extract_(photo) : run_features(photo, options_.features);
     }
 
     std::size_t extraction_bytes(const PhotoFile& photo) const override {
@@ -91,6 +92,7 @@ class PhotographFrontEnd final : public FrontEnd {
     const SessionReader& store_;
     const StageOptions& options_;
     std::uint64_t seed_;
+    PhotoExtractor extract_;
     RetrievalState retrieval_;
     std::size_t index_bytes_ = 0;    // that the cache has made room for
     std::vector<KnownImage> known_;  // by id

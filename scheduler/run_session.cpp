@@ -115,8 +115,8 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
                                                  const SessionConfig& config,
                                                  const StageOptions& options,
                                                  const SessionState& state, tbb::task_arena& arena,
-                                                 Salvage* salvage) {
-    FrontEndParts parts{&store, &options, config.seed, {}};
+                                                 Salvage* salvage, const PhotoExtractor& extract) {
+    FrontEndParts parts{&store, &options, config.seed, {}, extract};
     for (std::uint32_t i = 0; i < state.verified; ++i)
         parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera),
                                    state.is_removed(static_cast<ImageId>(i))});
@@ -137,7 +137,7 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
 Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
                                const ExecutionOptions& execution, PhotoSource& photos,
                                SessionObserver& observer, const std::atomic<bool>& stop,
-                               Salvage* salvage) {
+                               Salvage* salvage, const PhotoExtractor& extract) {
     const auto options = stage_options(config);
     if (!options.ok()) return options.error();
     if (const auto kept = store.keep_history(config.history); !kept.ok()) return kept.error();
@@ -149,7 +149,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     arena.execute([&] { restored = restore_session(store, config, *options); });
     if (!restored.ok()) return restored.error();
     const SeenPhotos seen(*restored);
-    auto front_end = make_front_end(store, config, *options, restored->state, arena, salvage);
+    auto front_end = make_front_end(store, config, *options, restored->state, arena, salvage, extract);
     if (!front_end.ok()) return front_end.error();
     SessionGraph::Parts parts;
     parts.committed_images = restored->state.verified;

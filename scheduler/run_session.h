@@ -9,6 +9,7 @@
 
 #include "graph/result.h"
 #include "scheduler/messages.h"
+#include "scheduler/front_end.h"
 #include "scheduler/node_times.h"
 #include "scheduler/salvage.h"
 #include "scheduler/session_config.h"
@@ -67,9 +68,10 @@ struct SessionRun {
 /// @errors those of the store and of the front end (vocabulary file, database); the store stays
 /// consistent
 /// @param salvage  a damaged session that images and pairs are taken over from; null: none
+/// @param extract  who reads photographs; empty: run_features, in this process
 Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
                                const ExecutionOptions& execution, PhotoSource& photos,
                                SessionObserver& observer, const std::atomic<bool>& stop,
-                               Salvage* salvage = nullptr);
+                               Salvage* salvage = nullptr, const PhotoExtractor& extract = {});
 
 }  // namespace psfm

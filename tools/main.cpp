@@ -51,6 +51,8 @@ int run(int argc, char** argv) {
     psfm::add_status_command(app, exit_code);
     psfm::add_report_command(app, exit_code);
     psfm::add_view_command(app, exit_code);
+    psfm::add_serve_command(app, exit_code);
+    psfm::add_decode_photograph_command(app, exit_code);
     psfm::add_export_command(app, exit_code);
     psfm::add_localise_command(app, exit_code);
     psfm::add_evaluate_command(app, exit_code);

@@ -11,6 +11,7 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"
+#include "tools/commands/serve_session.h"
 #include "tools/commands/write_whole_file.h"
 #include "tools/serve/page_data.h"
 #include "tools/serve/pages.h"
@@ -23,6 +24,7 @@ namespace {
 struct ViewArguments {
     std::string session;
     std::string output;
+    std::string listen = "127.0.0.1:8080";
 };
 
 /// Parts stand where positions put them, all of them.
@@ -73,6 +75,7 @@ int view(const ViewArguments& arguments) {
              "of, then build it again"},
             ErrorOrigin::kOtherInput);
     }
+    if (arguments.output.empty()) return view_session(arguments.session, arguments.listen);
     const auto session = open_session_reader(arguments.session, StoreOptions{});
     if (!session.ok()) return report_error(session.error());
     const std::string name =
@@ -89,11 +92,19 @@ int view(const ViewArguments& arguments) {
 
 void add_view_command(CLI::App& app, int& exit_code) {
     CLI::App* command = app.add_subcommand(
-        "view", "A session's model to look at in a browser, as one file; works beside a run");
+        "view", "A session's model to look at in a browser, live or as one file; works beside a run");
     auto arguments = std::make_shared<ViewArguments>();
     command->add_option("--session", arguments->session, "Session folder")->required();
-    command->add_option("--output", arguments->output, "HTML file to write")->required();
-    command->footer("Example: psfm view --session castle --output castle.html");
+    auto* output = command->add_option("--output", arguments->output,
+                                       "HTML file to write; without it the session is served to "
+                                       "this machine, with photographs and matches");
+    command->add_option("--listen", arguments->listen, "ADDRESS:PORT to serve it on")
+        ->capture_default_str()
+        ->excludes(output);
+    command->footer(
+        "Examples:\n"
+        "  psfm view --session castle --output castle.html\n"
+        "  psfm view --session castle");
     command->callback([arguments, &exit_code] { exit_code = view(*arguments); });
 }
 

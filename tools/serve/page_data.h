@@ -14,7 +14,7 @@
 
 namespace psfm {
 
-// What the pages are given of a session (docs/viewer.md). None of it holds a position on the earth.
+// What the pages are given of a session (docs/serve.md). None of it holds a position on the earth.
 
 /// Who sent a photograph, and what it was called there.
 struct PhotographOrigin {

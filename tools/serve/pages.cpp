@@ -14,6 +14,7 @@
     extern "C" const char psfm_page_##symbol##_end[]
 
 PSFM_EMBED(viewer, "viewer.js");
+PSFM_EMBED(capture, "capture.js");
 PSFM_EMBED(style, "style.css");
 PSFM_EMBED(three, "three.LICENSE");
 
@@ -28,6 +29,7 @@ std::string_view page_file(std::string_view name) {
         return std::string_view(begin, static_cast<std::size_t>(end - begin));
     };
     if (name == "viewer.js") return between(psfm_page_viewer, psfm_page_viewer_end);
+    if (name == "capture.js") return between(psfm_page_capture, psfm_page_capture_end);
     if (name == "style.css") return between(psfm_page_style, psfm_page_style_end);
     if (name == "three.LICENSE") return between(psfm_page_three, psfm_page_three_end);
     return {};

@@ -9,7 +9,7 @@ namespace psfm {
 /// Whether this program was built with its pages: where three.js could not be fetched it has none.
 bool has_pages();
 
-/// A file of the pages, as it was built into the program: "viewer.js", "style.css",
+/// A file of the pages, as it was built into the program: "viewer.js", "capture.js", "style.css",
 /// "three.LICENSE"; empty when there is none of that name.
 std::string_view page_file(std::string_view name);
 

@@ -17,7 +17,7 @@ struct ReplayOptions {
 };
 
 /// The poses of a session's versions, each as what has changed since the one before
-/// (docs/viewer.md, "Replay"); empty when no version is kept. No points: each carries when it was
+/// (docs/serve.md, "Replay"); empty when no version is kept. No points: each carries when it was
 /// born.
 /// @errors those of the store
 Result<std::string> replay_bytes(const SessionReader& session, const ReplayOptions& options = {});

@@ -68,7 +68,7 @@ void fit_frame(ShownCluster& shown, const Reconstruction& model);
 /// fewer than three pairs.
 Sim3 robust_similarity(std::span<const std::pair<Eigen::Vector3d, Eigen::Vector3d>> source_target);
 
-// The contents of parts of a change (docs/viewer.md).
+// The contents of parts of a change (docs/serve.md).
 std::string place_content(const ShownCluster& shown);
 std::string poses_content(const std::vector<std::pair<ImageId, ShownPose>>& poses);
 /// Points put, or moved: in one box where they lie close together, and the far ones in another.

@@ -49,4 +49,14 @@ std::string view_page(const ViewPageData& data) {
     return page;
 }
 
+std::string served_page(std::string_view title, std::string_view script) {
+    std::string page = head(title);
+    page +=
+        "<link rel=\"stylesheet\" href=\"/style.css\"></head><body><div id=\"app\"></div>"
+        "<script src=\"/";
+    page.append(script);
+    page += "\"></script></body></html>\n";
+    return page;
+}
+
 }  // namespace psfm

@@ -19,4 +19,8 @@ struct ViewPageData {
 /// than its own script. REQUIRES: has_pages()
 std::string view_page(const ViewPageData& data);
 
+/// The viewer's or the capture page's HTML as a server sends it, with its script beside it.
+/// @param script  "viewer.js" or "capture.js"
+std::string served_page(std::string_view title, std::string_view script);
+
 }  // namespace psfm

@@ -11,7 +11,7 @@
 
 namespace psfm {
 
-// The bytes of changes to a model, as docs/viewer.md describes them ("Changes"); read by
+// The bytes of changes to a model, as docs/serve.md describes them ("Changes"); read by
 // tools/viewer/src/wire.ts. Little-endian.
 
 enum class ChangeKind : std::uint8_t {

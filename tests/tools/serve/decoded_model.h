@@ -13,7 +13,7 @@
 
 namespace psfm::testing {
 
-/// What a watcher makes of changes, written from docs/viewer.md alone.
+/// What a watcher makes of changes, written from docs/serve.md alone.
 class DecodedModel {
   public:
     struct Point {

@@ -38,7 +38,7 @@ export class Details {
   async pair(a: number, b: number): Promise<void> {
     this.element.replaceChildren(el("h2", {}, `${this.name(a)} and ${this.name(b)}`));
     const matches = await this.source.matches(a, b), first = this.picture(a), second = this.picture(b);
-    if (!matches) { this.element.append(el("p", {}, "A page in one file has no matches.")); return; }
+    if (!matches) { this.element.append(el("p", {}, "A page in one file has no matches; psfm view without --output has.")); return; }
     this.element.append(el("p", {}, `${matches.length} matches fit one geometry`));
     if (!first || !second) return;
     this.element.append(first.frame, second.frame);

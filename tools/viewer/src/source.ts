@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a page has its session from: the file that it is itself.
+// Where a page has its session from: the file that it is itself, or a server.
 import { Quat, Reader, Vec3, gunzip } from "./wire";
 
 export interface ImageFact {
@@ -64,6 +64,7 @@ export class Replay {
 }
 
 export interface Source {
+  readonly live: boolean;
   session(): Promise<Session>;
   scene(): Promise<Uint8Array>;
   replay(): Promise<Replay>;
@@ -75,6 +76,7 @@ export interface Source {
 
 /** A page that holds its session: compressed and as base64 in elements of its own. */
 export class FileSource implements Source {
+  readonly live = false;
   private tracks: Promise<Map<number, Uint32Array[]>> | undefined;
   private async block(id: string): Promise<Uint8Array> {
     const text = document.getElementById(id)?.textContent?.trim() ?? "";
@@ -102,4 +104,52 @@ function readTracks(bytes: Uint8Array): Map<number, Uint32Array[]> {
     all.set(cluster, Array.from({ length: slots }, () => r.ascending(r.leb())));
   }
   return all;
+}
+
+export class ServerError extends Error {
+  constructor(readonly status: number, message: string) { super(message); }
+}
+
+export class ServerSource implements Source {
+  readonly live = true;
+  constructor(readonly base = "/api/v1") {}
+  private async get(path: string): Promise<Response> {
+    const answer = await fetch(this.base + path, { credentials: "same-origin" });
+    if (!answer.ok) {
+      const problem = await answer.json().catch(() => ({})) as { detail?: string; title?: string };
+      throw new ServerError(answer.status, problem.detail ?? problem.title ?? `the server said ${answer.status}`);
+    }
+    return answer;
+  }
+  private async json<T>(path: string): Promise<T> { return await (await this.get(path)).json() as T; }
+  session(): Promise<Session> { return this.json("/session"); }
+  async scene(): Promise<Uint8Array> { return new Uint8Array(await (await this.get("/scene")).arrayBuffer()); }
+  /** What has changed since change `after`; null: too long ago, the scene has to be fetched anew. */
+  async changes(after: number): Promise<Uint8Array[] | null> {
+    try {
+      const bytes = new Uint8Array(await (await this.get(`/scene/changes?after=${after}`)).arrayBuffer());
+      const changes: Uint8Array[] = [];
+      const r = new Reader(bytes);
+      while (r.at < bytes.length) {
+        const length = r.u32();
+        changes.push(bytes.subarray(r.at, r.at + length));
+        r.at += length;
+      }
+      return changes;
+    } catch (error) {
+      if (error instanceof ServerError && error.status === 410) return null;
+      throw error;
+    }
+  }
+  async replay(): Promise<Replay> { return new Replay(new Uint8Array(await (await this.get("/replay")).arrayBuffer())); }
+  async seenBy(cluster: number, slot: number): Promise<number[]> {
+    return (await this.json<{ images: number[] }>(`/points/${cluster}/${slot}`)).images;
+  }
+  async observations(image: number): Promise<Observation[] | null> {
+    return (await this.json<{ observations: Observation[] }>(`/images/${image}`)).observations;
+  }
+  async matches(a: number, b: number): Promise<Match[] | null> {
+    return (await this.json<{ matches: Match[] }>(`/pairs/${a}/${b}`)).matches;
+  }
+  thumbnail(image: number): string { return `${this.base}/images/${image}/thumbnail`; }
 }

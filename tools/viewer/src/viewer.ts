@@ -5,9 +5,11 @@ import { Details } from "./details";
 import { button, el, select, toggle } from "./dom";
 import { ImageList, titleOf } from "./list";
 import { ColourMode } from "./points";
-import { Camera, FileSource, ImageFact, Session, Source } from "./source";
+import { Camera, FileSource, ImageFact, ServerSource, Session, Source } from "./source";
 import { Stage } from "./stage";
 import { Timeline } from "./timeline";
+import { Live } from "./live";
+import { signIn } from "./login";
 import { Model, worldPoses } from "./wire";
 
 export class Viewer {
@@ -44,6 +46,7 @@ export class Viewer {
     this.stage.fit();
     this.tell();
     this.listen(canvas);
+    if (this.source instanceof ServerSource) new Live(this, this.source).start();
   }
 
   private cameraOf(image: number): Camera | undefined {
@@ -178,9 +181,11 @@ export class Viewer {
 
 async function main(): Promise<void> {
   const root = document.getElementById("app")!;
-  const viewer = new Viewer(new FileSource(), root);
+  const source = document.getElementById("scene") ? new FileSource() : new ServerSource();
+  const viewer = new Viewer(source, root);
   (window as unknown as { psfm: Viewer }).psfm = viewer; // for tests, and for who is curious
   try {
+    if (source.live) await signIn();
     await viewer.start();
     document.documentElement.dataset.state = "ready";
   } catch (error) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Changes to a model as docs/viewer.md has them ("Changes"); written by tools/serve/shown_scene.cpp.
+// Changes to a model as docs/serve.md has them ("Changes"); written by tools/serve/shown_scene.cpp.
 
 export class Reader {
   private readonly view: DataView;

@@ -1,0 +1,395 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""psfm serve as its clients see it: honest ones, broken ones and hostile ones. What docs/serve.md promises.
+Usage: api_test.py BUILD OPENAPI [TEST …]"""
+import hashlib
+import http.client
+import json
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+BUILD = Path()
+OPENAPI = Path()
+API = "/api/v1"
+
+
+class Server:
+    """psfm serve on a port of its own."""
+
+    def __init__(self, session, *options):
+        self.session = session
+        self.process = subprocess.Popen([BUILD / "psfm", "serve", "--session", session, "--listen", "127.0.0.1:0",
+                                         "--keep-free", "1", *options], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        found = re.search(r":(\d+)/", line)
+        if not found:
+            raise RuntimeError(f"psfm serve said {line!r} and {self.process.stderr.read()!r}")
+        self.port = int(found.group(1))
+        self.host = f"127.0.0.1:{self.port}"
+
+    def ask(self, method, path, body=None, token=None, **headers):
+        """@return status, headers, body"""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        sent = {name.replace("_", "-"): value for name, value in headers.items()}
+        if token:
+            sent["Authorization"] = f"Bearer {token}"
+        connection.request(method, path, body, sent)
+        answer = connection.getresponse()
+        data = answer.read()
+        connection.close()
+        return answer.status, answer.headers, data
+
+    def json(self, path, token=None):
+        status, _, body = self.ask("GET", API + path, token=token)
+        assert status == 200, (path, status, body)
+        return json.loads(body)
+
+    def raw(self, data, seconds=30):
+        """All that the server answers to these bytes."""
+        with socket.create_connection(("127.0.0.1", self.port), timeout=seconds) as connection:
+            connection.sendall(data)
+            answer = b""
+            try:
+                while chunk := connection.recv(65536):
+                    answer += chunk
+            except (socket.timeout, ConnectionResetError):
+                pass
+            return answer
+
+    def put(self, data, name="a.jpg", token=None, **headers):
+        return self.ask("PUT", f"{API}/photographs/{sha(data)}?name={name}", data, token, **headers)
+
+    def patch(self, data, at, length, end=None, token=None):
+        return self.ask("PATCH", f"{API}/photographs/{sha(data)}?name=a.jpg", data[at:end], token,
+                        Upload_Offset=str(at), Upload_Length=str(length),
+                        Content_Type="application/offset+octet-stream")
+
+    def stop(self, how=signal.SIGTERM):
+        self.process.send_signal(how)
+        code = self.process.wait(60)
+        self.process.stdout.close()
+        self.process.stderr.close()
+        return code
+
+
+def sha(data):
+    return hashlib.sha256(data).hexdigest()
+
+
+def psfm(*words):
+    done = subprocess.run([BUILD / "psfm", *map(str, words)], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+class Api(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.shared = Path(folder.name)
+        subprocess.run([BUILD / "tests/synthetic/psfm-render-scene", cls.shared / "wall", "--scene", "wall", "--images", "6",
+                        "--width", "400", "--height", "300"], check=True, stdout=subprocess.DEVNULL)
+        cls.photos = [file.read_bytes() for file in sorted((cls.shared / "wall/images").iterdir())]
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.session = Path(folder.name) / "session"
+        self.server = None
+        self.addCleanup(self.end)
+
+    def end(self):
+        if self.server and self.server.process.poll() is None:
+            self.server.stop(signal.SIGKILL)
+
+    def serve(self, *options):
+        self.server = Server(self.session, *options)
+        return self.server
+
+    def user(self, name, role="send", *options):
+        code, out, err = psfm("serve", "--session", self.session, "--add-user", name, "--role", role, *options)
+        self.assertEqual(code, 0, err)
+        return re.search(r"#token=([\w-]+)", out).group(1)
+
+    def wait_for(self, condition, seconds=120):
+        end = time.time() + seconds
+        while time.time() < end:
+            if (found := condition()):
+                return found
+            time.sleep(0.2)
+        self.fail("it did not come in time")
+        return None
+
+    def events(self, seconds, last_id=None):
+        """Kinds, ids and data of the stream's first events."""
+        header = f"Last-Event-ID: {last_id}\r\n" if last_id else ""
+        text = self.server.raw(f"GET {API}/events HTTP/1.1\r\nHost: {self.server.host}\r\n{header}\r\n".encode(), seconds)
+        return re.findall(r"event: (\w+)\ndata: (.*)\nid: (\S+)\n", text.decode())
+
+    def test_photographs_become_a_model(self):
+        server = self.serve()
+        for i, photo in enumerate(self.photos):
+            self.assertEqual(server.put(photo, f"IMG_{i}.jpg")[0], 201)
+        self.wait_for(lambda: server.json("/session")["counts"]["placed"] == 6)
+        session = server.json("/session")
+        self.assertEqual([image["title"] for image in session["image_list"]], [f"IMG_{i}.jpg" for i in range(6)])
+        scene = server.ask("GET", API + "/scene")[2]
+        self.assertEqual(scene[:4], b"PSC1")
+        mine = server.json("/photographs")["photographs"]
+        self.assertEqual({one["state"] for one in mine}, {"placed"})
+        detail = server.json("/images/0")["observations"]
+        self.assertGreater(len(detail), 20)
+        point = detail[0]
+        self.assertIn(0, server.json(f"/points/{point['cluster']}/{point['slot']}")["images"])
+        self.assertGreater(len(server.json("/pairs/0/1")["matches"]), 20)
+        status, headers, picture = server.ask("GET", API + "/images/0/thumbnail")
+        self.assertEqual((status, headers["Content-Type"], picture[:2]), (200, "image/jpeg", b"\xff\xd8"))
+        self.assertNotIn(b"Exif", picture)
+        kinds = [kind for kind, _, _ in self.events(1, last_id=self.first_id())]
+        self.assertIn("image", kinds)
+        self.assertIn("version", kinds)
+        self.assertEqual(server.stop(), 0)
+        status = json.loads(psfm("status", "--session", self.session, "--json")[1])
+        self.assertEqual((status["images"], status["placed"]), (6, 6))
+
+    def first_id(self):
+        return re.sub(r"-\d+$", "-0", self.events(0.5)[0][2])
+
+    def test_uploads_survive_kills_exactly_once(self):
+        tries = 0
+        server = self.serve()
+        for photo in self.photos:
+            third = len(photo) // 3
+            self.assertEqual(server.patch(photo, 0, len(photo), third)[0], 204)
+            if tries < 3:
+                server.stop(signal.SIGKILL)
+                server = self.serve()
+                tries += 1
+            status, headers, _ = server.ask("HEAD", f"{API}/photographs/{sha(photo)}")
+            at = int(headers["Upload-Offset"]) if status == 200 else 0
+            self.assertEqual(at, third)
+            self.assertEqual(server.patch(photo, at + 1, len(photo))[0], 409)
+            self.assertEqual(server.patch(photo, at, len(photo))[0], 201)
+            self.assertEqual(server.put(photo)[0], 200)
+        self.wait_for(lambda: server.json("/session")["counts"]["images"] == 6)
+        server.stop()
+        status = json.loads(psfm("status", "--session", self.session, "--json")[1])
+        self.assertEqual(sorted(Path(image["name"]).stem for image in status["image_list"]),
+                         sorted(sha(photo) for photo in self.photos))
+
+    def test_what_is_no_photograph_is_refused(self):
+        server = self.serve()
+        self.assertEqual(server.put(b"hello")[0], 415)
+        self.assertEqual(server.ask("PUT", f"{API}/photographs/{'0' * 64}", self.photos[0])[0], 422)
+        self.assertEqual(server.ask("PUT", f"{API}/photographs/..%2f..%2fetc", self.photos[0])[0], 404)
+        self.assertEqual(server.ask("DELETE", f"{API}/photographs/{'0' * 64}")[0], 405)
+        status, headers, body = server.ask("GET", API + "/nothing")
+        self.assertEqual((status, headers["Content-Type"]), (404, "application/problem+json"))
+        self.assertEqual(json.loads(body)["status"], 404)
+
+    def test_a_photograph_that_breaks_the_decoder(self):
+        server = self.serve()
+        broken = [self.photos[0][:len(self.photos[0]) // 2],  # truncated
+                  b"\xff\xd8\xff\xe0" + bytes(range(256)) * 40,  # a JPEG by its beginning
+                  b"P6\n60000 60000\n255\n" + b"x" * 100]  # a bomb
+        for data in broken:
+            self.assertEqual(server.put(data)[0], 201)
+        for photo in self.photos:
+            self.assertEqual(server.put(photo)[0], 201)
+        self.wait_for(lambda: server.json("/session")["counts"]["rejected"] == 3)
+        self.wait_for(lambda: server.json("/session")["counts"]["placed"] == 6)
+
+    def test_tokens_are_not_on_the_disk(self):
+        token = self.user("Ada")
+        file = self.session / "users.json"
+        self.assertEqual(file.stat().st_mode & 0o777, 0o600)
+        self.assertNotIn(token, file.read_text())
+        self.assertIn(sha(token.encode()), file.read_text())
+
+    def test_roles_are_kept_apart(self):
+        look, send = self.user("Look", "look"), self.user("Send")
+        server = self.serve()
+        for path in ("/session", "/scene", "/scene/changes?after=0", "/events", "/photographs", "/replay", "/images/0"):
+            self.assertEqual(server.ask("GET", API + path)[0], 401, path)
+        self.assertEqual(server.ask("GET", API + "/session", token=look)[0], 200)
+        self.assertEqual(server.put(self.photos[0])[0], 401)
+        self.assertEqual(server.put(self.photos[0], token=look)[0], 403)
+        self.assertFalse(any((self.session / "photographs").iterdir()))
+        self.assertEqual(server.put(self.photos[0], token=send)[0], 201)
+        self.assertEqual(server.json("/session", send)["me"], {"name": "Send", "role": "send"})
+        psfm("serve", "--session", self.session, "--remove-user", "Send")
+        self.wait_for(lambda: server.ask("GET", API + "/session", token=send)[0] == 401, 5)
+
+    def test_wrong_tokens_are_slowed_down(self):
+        token = self.user("Ada")
+        server = self.serve()
+        answers = [server.ask("GET", API + "/session", token="x" * 43)[0] for _ in range(12)]
+        self.assertEqual(answers[:10], [401] * 10)
+        self.assertIn(429, answers)
+        self.assertEqual(server.ask("GET", API + "/session", token=token)[0], 429)
+
+    def test_a_link_becomes_a_cookie(self):
+        token = self.user("Ada", "look")
+        server = self.serve()
+        status, headers, _ = server.ask("POST", API + "/login", json.dumps({"token": token}), Content_Type="application/json")
+        self.assertEqual(status, 200)
+        cookie = headers["Set-Cookie"]
+        for word in ("HttpOnly", "SameSite=Strict"):
+            self.assertIn(word, cookie)
+        self.assertEqual(server.ask("GET", API + "/session", Cookie=cookie.split(";")[0])[0], 200)
+        self.assertEqual(server.ask("GET", API + f"/session?token={token}")[0], 401)
+        self.assertEqual(server.ask("POST", API + "/login", json.dumps({"token": token}), Content_Type="text/plain")[0], 415)
+        self.assertIn("Secure", server.ask("POST", API + "/login", json.dumps({"token": token}), Content_Type="application/json",
+                                           X_Forwarded_Proto="https")[1]["Set-Cookie"])
+
+    def test_other_sites_are_refused(self):
+        server = self.serve()
+        data = self.photos[0]
+        self.assertEqual(server.put(data, Origin="http://evil.example")[0], 403)
+        self.assertEqual(server.put(data, Sec_Fetch_Site="cross-site")[0], 403)
+        self.assertEqual(server.ask("GET", API + "/session", Sec_Fetch_Site="cross-site")[0], 403)
+        self.assertNotIn("Access-Control-Allow-Origin", server.ask("GET", API + "/session")[1])
+        self.assertEqual(server.put(data, Origin=f"http://{server.host}")[0], 201)
+
+    def test_other_names_are_refused(self):
+        server = self.serve("--host", "photos.example.org")
+        self.assertEqual(server.ask("GET", API + "/session", Host="evil.example")[0], 421)
+        self.assertEqual(server.ask("GET", API + "/session", Host=f"127.0.0.1:{server.port + 1}")[0], 421)
+        self.assertEqual(server.ask("GET", API + "/session", Host="photos.example.org")[0], 200)
+
+    def test_names_are_text(self):
+        server = self.serve()
+        name = "..%2F..%2F%3Cscript%3Ealert(1)%3C%2Fscript%3E%0A.jpg"
+        self.assertEqual(server.put(self.photos[0], name)[0], 201)
+        self.wait_for(lambda: server.json("/session")["image_list"])
+        image = server.json("/session")["image_list"][0]
+        self.assertEqual(image["title"], "../../<script>alert(1)</script>.jpg")
+        self.assertEqual(image["name"], f"0/{sha(self.photos[0])}.jpg")
+        self.assertEqual([file.name for file in (self.session / "photographs/0").iterdir()], [f"{sha(self.photos[0])}.jpg"])
+
+    def test_every_answer_is_held_down(self):
+        server = self.serve()
+        for path in ("/", "/capture", "/viewer.js", "/style.css", API + "/session", "/nothing", API + "/nothing"):
+            headers = server.ask("GET", path)[1]
+            policy = headers["Content-Security-Policy"]
+            self.assertIn("default-src 'none'", policy)
+            self.assertNotIn("unsafe", policy)
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertEqual(headers["Referrer-Policy"], "no-referrer")
+
+    def test_large_and_slow_requests(self):
+        server = self.serve()
+        self.assertIn(b" 431 ", server.raw(b"GET / HTTP/1.1\r\nX: " + b"a" * 9000 + b"\r\n\r\n"))
+        self.assertIn(b" 400 ", server.raw(b"hello\r\n\r\n"))
+        big = 65 << 20
+        self.assertEqual(server.ask("PUT", f"{API}/photographs/{'a' * 64}", b"", Content_Length=str(big))[0], 413)
+        self.assertEqual(server.ask("POST", API + "/login", b"x" * 5000, Content_Type="application/json")[0], 413)
+        self.assertEqual(server.put(self.photos[0], Content_Encoding="gzip")[0], 415)
+        slow = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(50)]
+        for connection in slow:
+            connection.sendall(b"GET / HTTP/1.1\r\nX: ")
+        start = time.time()
+        self.assertEqual(server.ask("GET", API + "/session")[0], 200)
+        self.assertLess(time.time() - start, 5)
+        slow[0].settimeout(30)
+        answer = slow[0].recv(4096)  # cut off after ten seconds
+        self.assertTrue(answer == b"" or b" 408 " in answer, answer)
+        for connection in slow:
+            connection.close()
+
+    def test_smuggling_is_refused(self):
+        server = self.serve()
+        host = f"Host: {server.host}\r\n".encode()
+        start = f"PUT {API}/photographs/{'a' * 64} HTTP/1.1\r\n".encode() + host
+        for headers in (b"Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+                        b"Content-Length: 5\r\nContent-Length: 6\r\n\r\nhello",
+                        b"Transfer-Encoding: chunked\r\n\r\n-2\r\n",
+                        b"Content-Length: -1\r\n\r\n",
+                        host + b"Content-Length: 5\r\n\r\nhello"):
+            answer = server.raw(start + headers, 15)
+            self.assertRegex(answer[:20], rb"HTTP/1.1 4\d\d", (headers, answer))
+            self.assertEqual(answer.count(b"HTTP/1.1"), 1, headers)
+
+    def test_the_disk_is_kept_free(self):
+        server = self.serve("--keep-free", str(1 << 40))
+        self.assertEqual(server.put(self.photos[0])[0], 507)
+        self.assertEqual(list((self.session / "photographs").rglob("*.jpg")), [])
+        server.stop()
+        server = self.serve("--quota", "0")
+        self.assertEqual(server.put(self.photos[0])[0], 507)
+
+    def test_no_position_is_told(self):
+        server = self.serve()
+        for photo in self.photos:
+            server.put(photo)
+        self.wait_for(lambda: server.json("/session")["counts"]["images"] == 6)
+        for path in ("/session", "/photographs"):
+            text = server.ask("GET", API + path)[2].decode()
+            self.assertNotRegex(text, "latitude|longitude|gps|datum")
+
+    def test_answers_are_as_the_api_says(self):
+        server = self.serve()
+        for photo in self.photos:
+            server.put(photo)
+        self.wait_for(lambda: server.json("/session")["counts"]["placed"] == 6)
+        point = server.json("/images/0")["observations"][0]
+        names = {"image": 0, "cluster": point["cluster"], "slot": point["slot"], "first": 0, "second": 1,
+                 "sha256": sha(self.photos[0])}
+        description = json.loads(OPENAPI.read_text())
+        for path, operations in description["paths"].items():
+            url = API + path.format(**names) + ("?after=0" if path.endswith("changes") else "")
+            for method in {"get", "head", "patch", "put", "post", "delete"} - {"head"}:
+                if method in operations:
+                    continue
+                answer = server.ask(method.upper(), url)[0] if not path.endswith("events") or method != "get" else 405
+                self.assertIn(answer, (400, 401, 405, 415), (method, path))
+            for method, operation in operations.items():
+                if path == "/events":
+                    continue
+                status, headers, body = server.ask(method.upper(), url)
+                said = operation["responses"].get(str(status), operation["responses"]["4XX"] if status // 100 == 4 else None)
+                self.assertIsNotNone(said, (method, path, status))
+                if status == 200 and "content" in said:
+                    kind, content = next(iter(said["content"].items()))
+                    self.assertTrue(headers["Content-Type"].startswith(kind), (path, headers["Content-Type"]))
+                    for name in content.get("schema", {}).get("required", []):
+                        self.assertIn(name, json.loads(body), path)
+                if status // 100 == 4 and body:
+                    self.assertEqual(set(json.loads(body)), {"type", "title", "status", "detail"})
+
+    def test_no_users_no_network(self):
+        code, _, err = psfm("serve", "--session", self.session, "--listen", "0.0.0.0:0")
+        self.assertEqual(code, 3)
+        self.assertIn("--add-user", err)
+
+    def test_view_is_for_looking(self):
+        server = self.serve()
+        for photo in self.photos:
+            server.put(photo)
+        self.wait_for(lambda: server.json("/session")["counts"]["placed"] == 6)
+        server.stop()
+        shutil.rmtree(self.session / "thumbnails", ignore_errors=True)
+        process = subprocess.Popen([BUILD / "psfm", "view", "--session", self.session, "--listen", "127.0.0.1:0"],
+                                   stdout=subprocess.PIPE, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        server.port = int(re.search(r":(\d+)/", process.stdout.readline()).group(1))
+        server.host = f"127.0.0.1:{server.port}"
+        self.assertEqual(server.json("/session")["counts"]["placed"], 6)
+        self.assertEqual(server.put(self.photos[0])[0], 404)
+
+
+if __name__ == "__main__":
+    BUILD, OPENAPI = Path(sys.argv[1]), Path(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/serve/users.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+#include <ctime>
+#include <fstream>
+#include <iterator>
+
+namespace psfm {
+namespace {
+
+class UsersTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        std::string pattern = (std::filesystem::temp_directory_path() / "psfm-XXXXXX").string();
+        folder_ = mkdtemp(pattern.data());
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    std::unique_ptr<Users> open() {
+        auto users = Users::open(folder_);
+        EXPECT_TRUE(users.ok());
+        return *std::move(users);
+    }
+    std::filesystem::path folder_;
+};
+
+TEST_F(UsersTest, ATokenIsItsUsersAndIsNowhereElse) {
+    const auto token = open()->add("Ada", UserRole::kSend, 0);
+    ASSERT_TRUE(token.ok());
+    EXPECT_EQ(token->size(), 43U);  // 256 bits in base64
+    const auto users = open();
+    const auto user = users->of_token(*token);
+    ASSERT_TRUE(user.has_value());
+    EXPECT_EQ(user->name, "Ada");
+    EXPECT_EQ(user->role, UserRole::kSend);
+    EXPECT_FALSE(users->of_token(*token + "x").has_value());
+    EXPECT_FALSE(users->of_token("").has_value());
+    std::ifstream file(folder_ / "users.json");
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    EXPECT_EQ(text.find(*token), std::string::npos);
+    struct stat status {};
+    ASSERT_EQ(::stat((folder_ / "users.json").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777U, 0600U);
+}
+
+TEST_F(UsersTest, TokensExpireAndAreTakenBack) {
+    const auto users = open();
+    const auto old = users->add("Old", UserRole::kLook, std::time(nullptr) - 1);
+    const auto gone = users->add("Gone", UserRole::kLook, 0);
+    ASSERT_TRUE(old.ok() && gone.ok());
+    EXPECT_FALSE(users->of_token(*old).has_value());
+    EXPECT_TRUE(users->of_token(*gone).has_value());
+    ASSERT_TRUE(users->remove("Gone").ok());
+    EXPECT_FALSE(users->of_token(*gone).has_value());
+    EXPECT_EQ(users->remove("Gone").error().code, ErrorCode::kNotFound);
+    // His number stays his.
+    ASSERT_TRUE(users->add("Gone", UserRole::kLook, 0).ok());
+    EXPECT_EQ(users->all().back().number, 3U);
+}
+
+TEST_F(UsersTest, NamesAreNamesAndTakenOnce) {
+    const auto users = open();
+    EXPECT_FALSE(users->add("", UserRole::kLook, 0).ok());
+    EXPECT_FALSE(users->add("a\nb", UserRole::kLook, 0).ok());
+    EXPECT_FALSE(users->add(std::string(65, 'a'), UserRole::kLook, 0).ok());
+    EXPECT_TRUE(users->add("a", UserRole::kLook, 0).ok());
+    EXPECT_EQ(users->add("a", UserRole::kLook, 0).error().code, ErrorCode::kDuplicate);
+}
+
+TEST_F(UsersTest, DamageIsToldOf) {
+    std::ofstream(folder_ / "users.json") << "{\"users\":[{}]}";
+    EXPECT_EQ(Users::open(folder_).error().code, ErrorCode::kDamaged);
+}
+
+}  // namespace
+}  // namespace psfm

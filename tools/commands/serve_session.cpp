@@ -1,0 +1,261 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/serve_session.h"
+
+#include <atomic>
+#include <charconv>
+#include <csignal>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "scheduler/event_log.h"
+#include "tools/commands/progress.h"
+#include "tools/commands/report_error.h"
+#include "tools/commands/session_runner.h"
+#include "tools/commands/thread_budget.h"
+#include "tools/serve/api.h"
+#include "tools/serve/http_server.h"
+#include "tools/serve/pages.h"
+#include "tools/serve/sandbox.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::atomic<bool> stop_serving{false};  // NOLINT: what a signal handler may touch has to be global
+
+extern "C" void on_stop(int /*signal*/) {
+    stop_serving = true;
+}
+
+void catch_stop() {
+    struct sigaction action {};
+    action.sa_handler = on_stop;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    struct sigaction ignore {};
+    ignore.sa_handler = SIG_IGN;  // a client that went away is an error of write
+    sigaction(SIGPIPE, &ignore, nullptr);
+}
+
+struct Address {
+    std::string ip;
+    std::uint16_t port = 0;
+};
+
+Result<Address> address_in(const std::string& listen) {
+    const std::size_t colon = listen.rfind(':');
+    Address address;
+    unsigned port = 0;
+    const char* const end = listen.data() + listen.size();
+    if (colon == std::string::npos ||
+        std::from_chars(listen.data() + colon + 1, end, port).ptr != end || port > 65535 ||
+        colon + 1 == listen.size()) {
+        return Error{ErrorCode::kInvalidArgument,
+                     listen + " is no ADDRESS:PORT, e.g. 127.0.0.1:8080 or [::1]:8080"};
+    }
+    address.ip = listen.substr(0, colon);
+    if (address.ip.starts_with('[') && address.ip.ends_with(']'))
+        address.ip = address.ip.substr(1, address.ip.size() - 2);
+    address.port = static_cast<std::uint16_t>(port);
+    return address;
+}
+
+/// What browsers may call a server that listens there.
+std::set<std::string> hosts_of(const Address& address, std::uint16_t port,
+                               const std::vector<std::string>& more) {
+    std::set<std::string> hosts(more.begin(), more.end());
+    const std::string suffix = ":" + std::to_string(port);
+    for (const char* name : {"localhost", "127.0.0.1", "[::1]"}) hosts.insert(name + suffix);
+    const bool is_v6 = address.ip.find(':') != std::string::npos;
+    hosts.insert((is_v6 ? "[" + address.ip + "]" : address.ip) + suffix);
+    return hosts;
+}
+
+std::string name_of_session(const std::string& session) {
+    return fs::absolute(session).lexically_normal().filename().string();
+}
+
+/// To the terminal, the log and the watchers.
+class Observers final : public SessionObserver {
+  public:
+    Observers(SessionObserver& first, SessionObserver& second) : first_(&first), second_(&second) {}
+    void on_publish(const PublishMessage& publish) override {
+        first_->on_publish(publish);
+        second_->on_publish(publish);
+    }
+
+  private:
+    SessionObserver *first_, *second_;
+};
+
+Result<std::unique_ptr<HttpServer>> listen(const Address& address) {
+    return HttpServer::listen(address.ip, address.port, HttpLimits{});
+}
+
+void tell_address(const Address& address, std::uint16_t port) {
+    const bool is_v6 = address.ip.find(':') != std::string::npos;
+    std::cout << "listening on http://" << (is_v6 ? "[" + address.ip + "]" : address.ip) << ':'
+              << port << "/\n"
+              << std::flush;
+    if (!has_pages()) {
+        std::cout << "this psfm was built without pages: the API is under /api/v1 "
+                     "(tools/install-packages fetches what pages are made of)\n"
+                  << std::flush;
+    }
+}
+
+Result<SessionConfig> config_of(SessionStore& store, const fs::path& photographs) {
+    const auto settings = store.settings();
+    if (settings.ok()) return decode_config(settings->settings_json);
+    if (settings.error().code != ErrorCode::kNotFound) return settings.error();
+    SessionConfig config;
+    const SessionSettings begun{fs::absolute(photographs).lexically_normal().string(),
+                                encode_config(config)};
+    if (const auto stored = store.put_settings(begun); !stored.ok()) return stored.error();
+    return config;
+}
+
+/// Everything that serving consists of, in the order in which it is taken down.
+struct Served {
+    std::unique_ptr<SessionStore> store;
+    std::unique_ptr<Users> users;
+    std::unique_ptr<UploadStore> uploads;
+    std::unique_ptr<EventRing> events;
+    std::unique_ptr<LiveSession> live;
+    std::unique_ptr<Api> api;
+    std::unique_ptr<HttpServer> server;
+};
+
+std::string start_of_events() {
+    return std::to_string(std::time(nullptr));
+}
+
+}  // namespace
+
+int serve_session(const ServeRequest& request) {
+    const auto address = address_in(request.listen);
+    if (!address.ok()) return report_error(address.error(), ErrorOrigin::kOtherInput);
+    Served served;
+    auto users = Users::open(request.session);
+    if (!users.ok()) return report_error(users.error(), ErrorOrigin::kOtherInput);
+    served.users = *std::move(users);
+    auto server = listen(*address);
+    if (!server.ok()) return report_error(server.error(), ErrorOrigin::kOtherInput);
+    served.server = *std::move(server);
+    if (!served.server->is_loopback() && served.users->empty()) {
+        return report_error(
+            {ErrorCode::kInvalidArgument,
+             "a session without users is for this machine alone; --add-user first, or --listen "
+             "127.0.0.1:PORT"},
+            ErrorOrigin::kOtherInput);
+    }
+    auto store = SessionStore::open(request.session, StoreOptions{});
+    if (!store.ok()) return report_error(store.error());
+    served.store = *std::move(store);
+    UploadLimits limits;
+    limits.quota_bytes = request.quota_mib << 20U;
+    limits.free_bytes = request.free_mib << 20U;
+    auto uploads = UploadStore::open(request.session, limits);
+    if (!uploads.ok()) return report_error(uploads.error(), ErrorOrigin::kOtherInput);
+    served.uploads = *std::move(uploads);
+    const auto config = config_of(*served.store, served.uploads->folder());
+    if (!config.ok()) return report_error(config.error());
+    const auto known = known_names(*served.store);
+    if (!known.ok()) return report_error(known.error());
+    served.uploads->queue_missing(*known);
+    std::unique_ptr<EventLog> log;
+    if (!request.log.empty()) {
+        auto opened = EventLog::open(request.log);
+        if (!opened.ok()) return report_error(opened.error(), ErrorOrigin::kOtherInput);
+        log = *std::move(opened);
+    }
+
+    catch_stop();
+    served.events = std::make_unique<EventRing>(start_of_events());
+    served.live = std::make_unique<LiveSession>(*served.store, *served.events, served.uploads.get(),
+                                                served.users.get(),
+                                                name_of_session(request.session));
+    served.api = std::make_unique<Api>(ApiParts{
+        served.store.get(), served.live.get(), served.uploads.get(), served.users.get(),
+        request.session, hosts_of(*address, served.server->port(), request.hosts),
+        thumbnail_in_sandbox});
+    served.server->start(*served.api, *served.events);
+    tell_address(*address, served.server->port());
+
+    const ThreadBudget budget(request.threads);
+    ExecutionOptions execution;
+    execution.threads = request.threads;
+    execution.idle_bytes = idle_bytes(StoreOptions{});
+    UploadSource source(*served.uploads);
+    const PhotoExtractor extract = [preset = config->preset](const PhotoFile& photo) {
+        return extract_in_sandbox(photo, preset);
+    };
+    Result<SessionRun> run = SessionRun{};
+    {
+        Progress progress(request.session, 0, std::move(log));
+        Observers observers(progress, *served.live);
+        run = run_session(*served.store, *config, execution, source, observers, stop_serving,
+                          nullptr, extract);
+        if (run.ok()) progress.on_end(*run);
+    }
+    served.server->stop();
+    if (!run.ok()) return report_error(run.error());
+    std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
+              << command_line("serve", request.session) << " --listen " << request.listen << '\n';
+    return 0;
+}
+
+int view_session(const std::string& session, const std::string& listen_on) {
+    const auto address = address_in(listen_on);
+    if (!address.ok()) return report_error(address.error(), ErrorOrigin::kOtherInput);
+    auto reader = open_session_reader(session, StoreOptions{});
+    if (!reader.ok()) return report_error(reader.error());
+    auto server = listen(*address);
+    if (!server.ok()) return report_error(server.error(), ErrorOrigin::kOtherInput);
+    if (!(*server)->is_loopback()) {
+        return report_error({ErrorCode::kInvalidArgument,
+                             "view is for this machine alone; psfm serve has users"},
+                            ErrorOrigin::kOtherInput);
+    }
+    catch_stop();
+    EventRing events(start_of_events());
+    LiveSession live(**reader, events, nullptr, nullptr, name_of_session(session));
+    Api api({reader->get(), &live, nullptr, nullptr, session,
+             hosts_of(*address, (*server)->port(), {}), thumbnail_in_sandbox});
+    (*server)->start(api, events);
+    tell_address(*address, (*server)->port());
+    std::uint64_t version = live.scene_version() ? live.scene_version()->version : 0;
+    while (!stop_serving) {
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        if (!(*reader)->refresh().ok()) continue;
+        const auto latest = (*reader)->scene_poses();  // cheap, and most often of the same version
+        if (!latest.ok() || latest->version == version) continue;
+        auto scene = (*reader)->scene();
+        if (!scene.ok()) continue;
+        version = scene->version;
+        live.on_version(std::make_shared<const Scene>(*std::move(scene)));
+    }
+    (*server)->stop();
+    return 0;
+}
+
+int decode_photograph(const DecodeRequest& request) {
+    if (!enter_sandbox()) {
+        std::cerr << "psfm: this system lets no process give up its rights\n";
+        return 1;
+    }
+    if (request.thumbnail) return sandboxed_thumbnail(request.photo);
+    SessionConfig config;
+    config.preset = request.preset;
+    const auto options = stage_options(config);
+    if (!options.ok()) return 1;
+    return sandboxed_extract({request.photo, request.name}, options->features);
+}
+
+}  // namespace psfm

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/serve/api.h"
+
+#include <algorithm>
+#include <charconv>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "tools/serve/gzip.h"
+#include "tools/serve/pages.h"
+#include "tools/serve/sha256.h"
+#include "tools/serve/view_page.h"
+
+namespace psfm {
+namespace {
+
+constexpr std::string_view kApi = "/api/v1";
+constexpr std::string_view kCookie = "psfm_token";
+constexpr std::size_t kMostJson = 4096;  // of a body: a token
+
+HttpPlan at_once(HttpResponse response) {
+    HttpPlan plan;
+    plan.answer = std::move(response);
+    return plan;
+}
+
+template <typename F>
+HttpPlan by_work(F work) {
+    HttpPlan plan;
+    plan.work = [work](const HttpRequest&) { return work(); };
+    return plan;
+}
+
+bool takes_gzip(const HttpRequest& request) {
+    return request.header("accept-encoding").find("gzip") != std::string_view::npos;
+}
+
+HttpResponse content(std::string_view type, std::shared_ptr<const std::string> plain,
+                     std::shared_ptr<const std::string> gzip, const HttpRequest& request) {
+    HttpResponse response;
+    response.headers = {{"Content-Type", std::string(type)}, {"Cache-Control", "no-cache"}};
+    if (gzip && takes_gzip(request)) {
+        response.headers.emplace_back("Content-Encoding", "gzip");
+        response.headers.emplace_back("Vary", "Accept-Encoding");
+        response.body = std::move(gzip);
+    } else {
+        response.body = std::move(plain);
+    }
+    return response;
+}
+
+std::string cookie_of(std::string_view cookies, std::string_view name) {
+    while (!cookies.empty()) {
+        std::string_view one = cookies.substr(0, cookies.find(';'));
+        cookies.remove_prefix(std::min(cookies.size(), one.size() + 1));
+        while (one.starts_with(' ')) one.remove_prefix(1);
+        if (one.starts_with(name) && one.substr(name.size()).starts_with('='))
+            return std::string(one.substr(name.size() + 1));
+    }
+    return {};
+}
+
+std::string token_of(const HttpRequest& request) {
+    constexpr std::string_view kBearer = "Bearer ";
+    const std::string_view authorization = request.header("authorization");
+    if (authorization.starts_with(kBearer))
+        return std::string(authorization.substr(kBearer.size()));
+    return cookie_of(request.header("cookie"), kCookie);
+}
+
+}  // namespace
+
+/// Requests that other sites make a browser send, and names that somebody else has given to this
+/// address, are nobody's.
+std::optional<HttpResponse> Api::stranger(const HttpRequest& head) const {
+    const std::string host(head.header("host"));
+    const std::string name =
+        host.ends_with(']')
+            ? host
+            : host.substr(0, host.rfind(':') == std::string::npos ? host.size() : host.rfind(':'));
+    if (!parts_.hosts.contains(host) && !parts_.hosts.contains(name))
+        return problem(421, "this server is not called " + host + "; --host names it");
+    const std::string_view site = head.header("sec-fetch-site");
+    const bool is_foreign = !site.empty() && site != "same-origin" && site != "none";
+    const bool is_reading = head.method == "GET" || head.method == "HEAD";
+    if (is_foreign && (!is_reading || head.path.starts_with(kApi)))
+        return problem(403, "requests of other sites are not answered");
+    const std::string_view origin = head.header("origin");
+    if (!origin.empty() && origin != "http://" + host && origin != "https://" + host)
+        return problem(403, "requests of other sites are not answered");
+    if (!head.header("content-encoding").empty() && head.header("content-encoding") != "identity")
+        return problem(415, "compressed requests are not read");
+    return std::nullopt;
+}
+
+bool Api::may_try(const std::string& address) {
+    constexpr int kFailuresAMinute = 10;
+    const std::lock_guard lock(mutex_);
+    const std::int64_t minute = std::time(nullptr) / 60;
+    std::erase_if(failures_, [&](const auto& entry) { return entry.second.minute != minute; });
+    const auto known = failures_.find(address);
+    return known == failures_.end() || known->second.count < kFailuresAMinute;
+}
+
+Api::Caller Api::caller_of(const HttpRequest& head) {
+    if (parts_.users == nullptr || parts_.users->empty())
+        return {{0, "owner", UserRole::kOwner, {}, 0, false}, true};
+    const std::string token = token_of(head);
+    if (token.empty()) return {};
+    if (const auto user = parts_.users->of_token(token)) return {*user, true};
+    const std::lock_guard lock(mutex_);
+    Failures& failures = failures_[head.address];
+    failures.minute = std::time(nullptr) / 60;
+    ++failures.count;
+    return {};
+}
+
+HttpPlan Api::plan(const HttpRequest& head) {
+    if (auto refusal = stranger(head)) return at_once(*std::move(refusal));
+    if (!head.path.starts_with(std::string(kApi) + "/")) return plan_page(head);
+    if (!may_try(head.address)) {
+        HttpResponse response = problem(429, "too many wrong tokens from this address");
+        response.headers.emplace_back("Retry-After", "60");
+        return at_once(std::move(response));
+    }
+    const std::string path = head.path.substr(kApi.size());
+    if (path == "/login") return plan_login(head);
+    const Caller caller = caller_of(head);
+    if (!caller.is_known) {
+        HttpResponse response = problem(401, "this wants the link that you were given");
+        response.headers.emplace_back("WWW-Authenticate", "Bearer");
+        return at_once(std::move(response));
+    }
+    if (path.starts_with("/photographs")) return plan_photograph(head, caller.user);
+    return plan_read(head, caller.user);
+}
+
+HttpPlan Api::plan_page(const HttpRequest& head) const {
+    if (head.method != "GET" && head.method != "HEAD")
+        return at_once(problem(405, "pages are only read"));
+    if (!has_pages()) {
+        return at_once(problem(404, "this psfm was built without pages; the API is under /api/v1"));
+    }
+    const auto text = [&](std::string_view type, std::string body) {
+        auto plain = std::make_shared<const std::string>(std::move(body));
+        auto gzip =
+            takes_gzip(head) ? std::make_shared<const std::string>(gzipped(*plain)) : nullptr;
+        return content(type, plain, gzip, head);
+    };
+    const std::string path = head.path;
+    if (path == "/")
+        return by_work(
+            [=] { return text("text/html; charset=utf-8", served_page("psfm", "viewer.js")); });
+    if (path == "/capture") {
+        return by_work([=] {
+            return text("text/html; charset=utf-8",
+                        served_page("psfm: send photographs", "capture.js"));
+        });
+    }
+    if (path == "/viewer.js" || path == "/capture.js") {
+        return by_work([=] {
+            return text("text/javascript; charset=utf-8", std::string(page_file(path.substr(1))));
+        });
+    }
+    if (path == "/style.css")
+        return by_work(
+            [=] { return text("text/css; charset=utf-8", std::string(page_file("style.css"))); });
+    return at_once(problem(404, "there is nothing here"));
+}
+
+HttpPlan Api::plan_login(const HttpRequest& head) {
+    const std::string attributes =
+        "; Path=/; HttpOnly; SameSite=Strict" +
+        std::string(head.header("x-forwarded-proto") == "https" ? "; Secure" : "");
+    if (head.method == "DELETE") {
+        HttpResponse response;
+        response.status = 204;
+        response.headers = {{"Set-Cookie", std::string(kCookie) + "=; Max-Age=0" + attributes}};
+        return at_once(std::move(response));
+    }
+    if (head.method != "POST") return at_once(problem(405, "POST signs in, DELETE signs out"));
+    if (!head.header("content-type").starts_with("application/json"))
+        return at_once(problem(415, "application/json with a token is wanted"));
+    HttpPlan plan;
+    plan.most_body = kMostJson;
+    plan.work = [this, attributes](const HttpRequest& request) {
+        const auto object = nlohmann::json::parse(request.body, nullptr, false);
+        if (!object.is_object() || !object.contains("token") || !object["token"].is_string())
+            return problem(400, "a token is wanted");
+        HttpRequest with_token = request;
+        with_token.headers["authorization"] = "Bearer " + object["token"].get<std::string>();
+        const Caller caller = caller_of(with_token);
+        if (!caller.is_known) return problem(401, "the link has expired, or was never one");
+        HttpResponse response =
+            json_response(200, nlohmann::ordered_json{{"name", caller.user.name},
+                                                      {"role", role_name(caller.user.role)}}
+                                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+        response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" +
+                                                        object["token"].get<std::string>() +
+                                                        "; Max-Age=31536000" + attributes);
+        return response;
+    };
+    return plan;
+}
+
+}  // namespace psfm

@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/serve/live_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "scheduler/event_log.h"
+#include "tools/report/status_json.h"
+#include "tools/serve/gzip.h"
+
+namespace psfm {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::ordered_json;
+
+double seconds_since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+std::string dump(const ordered_json& object) {
+    return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+/// What an image is told again for: not every point more or less.
+std::string gist_of(const ImageFact& fact) {
+    const int inliers = fact.inliers == 0 ? 0 : static_cast<int>(std::log2(fact.inliers) * 2);
+    return fact.reason + '/' + std::to_string(fact.cluster ? index_of(*fact.cluster) : ~0U) + '/' +
+           std::to_string(fact.part.value_or(~0U)) + '/' + std::to_string(inliers) + '/' +
+           fact.words;
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const UploadStore* uploads,
+                         const Users* users, std::string name, const LiveOptions& options)
+    : reader_(&reader),
+      events_(&events),
+      uploads_(uploads),
+      users_(users),
+      name_(std::move(name)),
+      options_(options),
+      edges_(options_of(reader).edges),
+      colours_(reader) {
+    if (auto scene = reader.scene(); scene.ok())
+        look(std::make_shared<const Scene>(*std::move(scene)), true);
+    thread_ = std::thread([this] { run(); });
+}
+
+LiveSession::~LiveSession() {
+    {
+        const std::lock_guard lock(inbox_mutex_);
+        over_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+}
+
+void LiveSession::on_publish(const PublishMessage& publish) {
+    for (const SessionEvent& event : publish.events) {
+        if (event.kind == SessionEvent::Kind::kSolve) continue;  // of every image
+        events_->publish("event", dump({{"image", publish.counts.images},
+                                        {"event", name_of(event.kind)},
+                                        {"text", event.text}}));
+    }
+    if (publish.scene) on_version(publish.scene);
+}
+
+void LiveSession::on_version(ScenePtr scene) {
+    {
+        const std::lock_guard lock(inbox_mutex_);
+        next_ = std::move(scene);
+    }
+    wake_.notify_all();
+}
+
+void LiveSession::run() {
+    // While versions come every second or so, only what is seen is told; then the rest of it.
+    constexpr double kSettledAfter = 3.0;
+    Clock::time_point last = Clock::now();
+    bool exact = true;
+    std::unique_lock lock(inbox_mutex_);
+    while (!over_) {
+        const bool woken = wake_.wait_for(lock, std::chrono::milliseconds(500),
+                                          [&] { return over_ || next_ != nullptr; });
+        if (over_) break;
+        if (!woken && (exact || seconds_since(last) < kSettledAfter)) continue;
+        const ScenePtr scene = woken ? std::exchange(next_, nullptr) : scene_version();
+        lock.unlock();
+        look(scene, !woken);
+        exact = !woken;
+        if (woken) last = Clock::now();
+        lock.lock();
+        if (woken) {
+            wake_.wait_for(lock, std::chrono::duration<double>(options_.seconds_between_changes),
+                           [&] { return over_; });
+        }
+    }
+}
+
+void LiveSession::look(const ScenePtr& scene, bool settled) {
+    // States first: they are what people wait for.
+    auto facts = read_session_facts(*reader_, memory_, scene);
+    if (!facts.ok()) return;  // the next version may be had
+    tell_images(facts->facts);
+    std::string change;
+    std::uint32_t number = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        const ModelSource source{
+            [&](const Observation& feature) { return colours_(feature); },
+            [&](const SceneCluster& cluster) -> std::shared_ptr<const Reconstruction> {
+                auto model = reader_->recycled_model({cluster.id, cluster.revision});
+                return model.ok() ? *model : nullptr;
+            }};
+        change = shown_.update(*scene, source, settled);
+        number = shown_.number();
+    }
+    const auto edges = edges_.read(*reader_, *scene);
+    PageSession page;
+    page.name = name_;
+    page.facts = &*facts;
+    const std::vector<EdgeFact> none;
+    page.edges = edges.ok() ? &*edges : &none;
+    if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
+    std::map<std::string, PhotographOrigin> origins;
+    if (uploads_ != nullptr) {
+        for (const Upload& upload : uploads_->uploads())
+            origins[upload.file] = {upload.title, upload.user, upload.sha256};
+        page.origins = &origins;
+    }
+    if (users_ != nullptr) {
+        for (const User& user : users_->all()) {
+            if (page.users.size() <= user.number) page.users.resize(user.number + 1);
+            page.users[user.number] = user.name;
+        }
+    }
+    std::vector<std::string> names;
+    for (const Image& image : facts->images) {
+        const auto origin = origins.find(image.name);
+        names.push_back(origin == origins.end() ? image.name : origin->second.title);
+    }
+    if (edges.ok()) page.hints = hints_for(*scene, *edges, names);
+    std::string session = session_json(page);
+    session.pop_back();
+
+    WireWriter framed;
+    framed.u32(static_cast<std::uint32_t>(change.size()));
+    framed.text(change);
+    Change kept{number, std::make_shared<const std::string>(framed.bytes()), nullptr};
+    kept.gzip = std::make_shared<const std::string>(gzipped(framed.bytes()));
+    const std::size_t bytes = kept.gzip->size();
+    const SessionCounts counts = facts->summary.counts;
+    const bool new_hints = [&] {
+        const std::lock_guard lock(mutex_);
+        change_bytes_ += bytes;
+        changes_.push_back(std::move(kept));
+        while (change_bytes_ > options_.most_change_bytes && changes_.size() > 1) {
+            change_bytes_ -= changes_.front().gzip->size();
+            changes_.pop_front();
+        }
+        scene_ = scene;
+        facts_ = std::move(facts->facts);
+        session_ = std::move(session);
+        const bool differs = !std::ranges::equal(hints_, page.hints, {}, &Hint::text, &Hint::text);
+        hints_ = page.hints;
+        return differs;
+    }();
+    events_->publish("version", dump({{"version", counts.version},
+                                      {"images", counts.images},
+                                      {"placed", counts.placed},
+                                      {"waiting", counts.waiting},
+                                      {"rejected", counts.rejected},
+                                      {"clusters", counts.clusters},
+                                      {"effective_clusters", counts.effective_clusters},
+                                      {"change", number},
+                                      {"bytes", bytes}}));
+    if (!new_hints) return;
+    ordered_json hints = ordered_json::array();
+    for (const Hint& hint : page.hints) {
+        hints.push_back(
+            {{"kind", hint_name(hint.kind)}, {"image", index_of(hint.image)}, {"text", hint.text}});
+    }
+    events_->publish("hint", dump(hints));
+}
+
+void LiveSession::tell_images(const std::vector<ImageFact>& facts) {
+    for (const ImageFact& fact : facts) {
+        std::string gist = gist_of(fact);
+        std::string& told = told_[fact.name];
+        if (told == gist) continue;
+        told = std::move(gist);
+        ordered_json image = ordered_json::parse(image_json(fact));
+        if (uploads_ != nullptr) {
+            if (const auto upload = uploads_->find_file(fact.name)) {
+                image["title"] = upload->title;
+                image["user"] = upload->user;
+                image["sha256"] = upload->sha256;
+            }
+        }
+        events_->publish("image", dump(image));
+    }
+}
+
+std::string LiveSession::session(const std::string& me, const std::string& role) const {
+    const std::lock_guard lock(mutex_);
+    if (session_.empty()) return {};
+    return session_ + ",\"me\":" + dump({{"name", me}, {"role", role}}) + "}";
+}
+
+LiveSession::Bytes LiveSession::scene() const {
+    const std::lock_guard lock(mutex_);
+    if (!snapshot_.plain || snapshot_.number != shown_.number()) {
+        std::string bytes = shown_.snapshot();
+        snapshot_.gzip = std::make_shared<const std::string>(gzipped(bytes));
+        snapshot_.plain = std::make_shared<const std::string>(std::move(bytes));
+        snapshot_.number = shown_.number();
+    }
+    return snapshot_;
+}
+
+std::optional<LiveSession::Bytes> LiveSession::changes(std::uint32_t number) const {
+    const std::lock_guard lock(mutex_);
+    Bytes bytes;
+    bytes.number = shown_.number();
+    std::vector<const Change*> wanted;
+    for (const Change& change : changes_) {
+        if (change.number > number) wanted.push_back(&change);
+    }
+    if (number > shown_.number() || wanted.size() < shown_.number() - number) return std::nullopt;
+    if (wanted.size() == 1) return Bytes{wanted[0]->plain, wanted[0]->gzip, bytes.number};
+    std::string plain;
+    for (const Change* change : wanted) plain += *change->plain;
+    bytes.gzip = std::make_shared<const std::string>(gzipped(plain));
+    bytes.plain = std::make_shared<const std::string>(std::move(plain));
+    return bytes;
+}
+
+std::optional<Observation> LiveSession::key_of(ClusterId cluster, std::uint32_t slot) const {
+    const std::lock_guard lock(mutex_);
+    return shown_.key_of(cluster, slot);
+}
+
+std::optional<std::uint32_t> LiveSession::slot_of(ClusterId cluster,
+                                                  const Observation& first) const {
+    const std::lock_guard lock(mutex_);
+    return shown_.slot_of(cluster, first);
+}
+
+ScenePtr LiveSession::scene_version() const {
+    const std::lock_guard lock(mutex_);
+    return scene_;
+}
+
+std::vector<ImageFact> LiveSession::facts() const {
+    const std::lock_guard lock(mutex_);
+    return facts_;
+}
+
+}  // namespace psfm

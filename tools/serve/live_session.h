@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "scheduler/run_session.h"
+#include "tools/serve/event_ring.h"
+#include "tools/serve/page_data.h"
+#include "tools/serve/upload_store.h"
+#include "tools/serve/users.h"
+
+namespace psfm {
+
+struct LiveOptions {
+    /// A change is told at most so often [s]. Higher: later; lower: more bytes, and more of the
+    /// processor's time. Ours.
+    double seconds_between_changes = 0.5;
+    /// Hints are looked for at most so often [s]: they cost a look at all points. Ours.
+    double seconds_between_hints = 5.0;
+    std::size_t most_change_bytes = std::size_t{16} << 20U;  ///< of changes that are kept
+};
+
+/// What watchers are told of a session: changes of the model, states of photographs, events. The
+/// engine hands over what it has published and goes on; a thread of this object's own makes of it
+/// what is told. Thread-safe.
+class LiveSession final : public SessionObserver {
+  public:
+    /// @param reader   of the session: the engine's own store, or a reader beside another process
+    /// @param uploads  null: photographs have no origin
+    LiveSession(const SessionReader& reader, EventRing& events, const UploadStore* uploads,
+                const Users* users, std::string name, const LiveOptions& options = {});
+    ~LiveSession() override;
+    LiveSession(const LiveSession&) = delete;
+    LiveSession& operator=(const LiveSession&) = delete;
+
+    /// From the engine: takes microseconds.
+    void on_publish(const PublishMessage& publish) override;
+    /// From who follows another process: a version has come.
+    void on_version(ScenePtr scene);
+
+    /// As session_json, for somebody. Empty before the first look.
+    std::string session(const std::string& me, const std::string& role) const;
+    struct Bytes {
+        std::shared_ptr<const std::string> plain, gzip;
+        std::uint32_t number = 0;  ///< of the last change in it
+    };
+    /// All of the model.
+    Bytes scene() const;
+    /// Changes after `number`, each behind its length; nothing when some are not kept any more.
+    std::optional<Bytes> changes(std::uint32_t number) const;
+    std::optional<Observation> key_of(ClusterId cluster, std::uint32_t slot) const;
+    std::optional<std::uint32_t> slot_of(ClusterId cluster, const Observation& first) const;
+    /// The version that was told of last; its models may lack points.
+    ScenePtr scene_version() const;
+    std::vector<ImageFact> facts() const;
+
+  private:
+    void run();
+    void look(const ScenePtr& scene, bool settled);
+    void tell_images(const std::vector<ImageFact>& facts);
+
+    const SessionReader* reader_;
+    EventRing* events_;
+    const UploadStore* uploads_;
+    const Users* users_;
+    const std::string name_;
+    const LiveOptions options_;
+
+    mutable std::mutex inbox_mutex_;
+    std::condition_variable wake_;
+    ScenePtr next_;
+    bool over_ = false;
+
+    // Of the thread:
+    FactsMemory memory_;
+    EdgeBook edges_;
+    FeatureColours colours_;
+    std::map<std::string, std::string> told_;  // by name: state and so on
+
+    mutable std::mutex mutex_;  // of what follows
+    ShownScene shown_;
+    ScenePtr scene_;
+    std::vector<ImageFact> facts_;
+    std::vector<Hint> hints_;
+    std::string session_;  // session_json without its last brace
+    struct Change {
+        std::uint32_t number = 0;
+        std::shared_ptr<const std::string> plain, gzip;
+    };
+    std::deque<Change> changes_;
+    std::size_t change_bytes_ = 0;
+    mutable Bytes snapshot_;  // of the number that it holds
+    std::thread thread_;
+};
+
+}  // namespace psfm

@@ -1,0 +1,267 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Both ends of the pipe between who wants a photograph decoded and the process that does it. What
+// comes out of that process is believed as little as the photograph.
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "stages/features/read_file_bytes.h"
+#include "stages/features/read_photo.h"
+#include "tools/serve/sandbox.h"
+
+extern "C" char** environ;
+
+namespace psfm {
+namespace {
+
+using nlohmann::json;
+constexpr std::string_view kMagic = "PSX1";
+constexpr int kSeconds = 180;                                // on the clock
+constexpr std::size_t kMostOutput = std::size_t{64} << 20U;  // of 100,000 features
+constexpr std::size_t kMostFeatures = 100'000;
+constexpr int kThumbnailSide = 320;
+
+static_assert(std::is_trivially_copyable_v<Keypoint>);
+
+void write_all(std::string_view bytes) {
+    while (!bytes.empty()) {
+        const ssize_t count = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return;
+        bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+}
+
+void append_u32(std::string& bytes, std::size_t value) {
+    const auto number = static_cast<std::uint32_t>(value);
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+}
+
+/// All that a child writes to its standard output. @return nothing when it did not end as it should
+std::optional<std::string> output_of(const std::vector<std::string>& words) {
+    std::array<int, 2> pipe{};
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return std::nullopt;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    std::vector<char*> arguments;
+    for (const std::string& word : words)
+        arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn's type
+    arguments.push_back(nullptr);
+    pid_t child = 0;
+    const int spawned =
+        ::posix_spawn(&child, "/proc/self/exe", &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(pipe[1]);
+    if (spawned != 0) {
+        ::close(pipe[0]);
+        return std::nullopt;
+    }
+    std::string output;
+    bool fine = true;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(kSeconds);
+    while (fine) {
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+            deadline - std::chrono::steady_clock::now());
+        pollfd wait{pipe[0], POLLIN, 0};
+        const int ready = ::poll(&wait, 1, static_cast<int>(std::max<long>(left.count(), 0)));
+        if (ready < 0 && errno == EINTR) continue;
+        std::array<char, 65536> chunk{};
+        const ssize_t count = ready > 0 ? ::read(pipe[0], chunk.data(), chunk.size()) : -1;
+        if (count == 0) break;
+        fine = count > 0 && output.size() + static_cast<std::size_t>(count) <= kMostOutput;
+        if (fine) output.append(chunk.data(), static_cast<std::size_t>(count));
+    }
+    ::close(pipe[0]);
+    if (!fine) ::kill(child, SIGKILL);
+    int status = 0;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!fine || !WIFEXITED(status) || WEXITSTATUS(status) != 0) return std::nullopt;
+    return output;
+}
+
+json json_of(const PhotoMetadata& metadata) {
+    json object{{"width", metadata.width},
+                {"height", metadata.height},
+                {"make", metadata.make},
+                {"model", metadata.model},
+                {"orientation", metadata.orientation}};
+    if (metadata.focal_px) object["focal_px"] = *metadata.focal_px;
+    if (metadata.focal_mm) object["focal_mm"] = *metadata.focal_mm;
+    if (metadata.gps) {
+        object["gps"] = {metadata.gps->latitude_deg, metadata.gps->longitude_deg};
+        if (metadata.gps->altitude_m) object["gps"].push_back(*metadata.gps->altitude_m);
+    }
+    return object;
+}
+
+PhotoMetadata metadata_from(const json& object) {
+    PhotoMetadata metadata;
+    metadata.width = object.at("width").get<std::uint32_t>();
+    metadata.height = object.at("height").get<std::uint32_t>();
+    metadata.make = object.at("make").get<std::string>().substr(0, 64);
+    metadata.model = object.at("model").get<std::string>().substr(0, 64);
+    metadata.orientation = object.at("orientation").get<std::uint8_t>();
+    if (object.contains("focal_px")) metadata.focal_px = object["focal_px"].get<double>();
+    if (object.contains("focal_mm")) metadata.focal_mm = object["focal_mm"].get<double>();
+    if (object.contains("gps")) {
+        const auto values = object["gps"].get<std::vector<double>>();
+        metadata.gps = GpsPosition{values.at(0), values.at(1), std::nullopt};
+        if (values.size() > 2) metadata.gps->altitude_m = values[2];
+    }
+    return metadata;
+}
+
+bool is_possible(const ExtractedPhoto& photo) {
+    const PhotoMetadata& data = photo.metadata;
+    const auto is_positive = [](const std::optional<double>& value) {
+        return !value || (std::isfinite(*value) && *value > 0.0);
+    };
+    if (data.width == 0 || data.height == 0 || data.width > 65535 || data.height > 65535 ||
+        data.orientation < 1 || data.orientation > 8 || !is_positive(data.focal_px) ||
+        !is_positive(data.focal_mm)) {
+        return false;
+    }
+    for (const Keypoint& point : photo.keypoints) {
+        const bool inside = point.x >= 0.F && point.y >= 0.F &&
+                            point.x <= static_cast<float>(data.width) &&
+                            point.y <= static_cast<float>(data.height);
+        if (!inside || !std::isfinite(point.scale) || !std::isfinite(point.angle)) return false;
+    }
+    return true;
+}
+
+Result<ExtractedPhoto> parse(const std::string& output, const std::string& name) {
+    const Error strange{ErrorCode::kInternal, name + ": could not be decoded; save it anew"};
+    std::size_t at = kMagic.size();
+    const auto number = [&]() -> std::size_t {
+        std::uint32_t value = 0;
+        if (at + sizeof(value) > output.size()) return kMostOutput + 1;
+        std::memcpy(&value, output.data() + at, sizeof(value));
+        at += sizeof(value);
+        return value;
+    };
+    if (!output.starts_with(kMagic)) return strange;
+    const std::size_t length = number();
+    if (length > output.size() - at) return strange;
+    const json head = json::parse(std::string_view(output).substr(at, length), nullptr, false);
+    at += length;
+    if (!head.is_object()) return strange;
+    try {
+        if (head.contains("error")) {
+            const int code = head.at("code").get<int>();
+            const bool known = code == static_cast<int>(ErrorCode::kUnreadable) ||
+                               code == static_cast<int>(ErrorCode::kIo);
+            return Error{known ? static_cast<ErrorCode>(code) : ErrorCode::kInternal,
+                         head.at("error").get<std::string>()};
+        }
+        ExtractedPhoto photo;
+        photo.metadata = metadata_from(head);
+        const std::size_t features = number();
+        const std::size_t point_bytes = features * sizeof(Keypoint);
+        const std::size_t descriptor_bytes = features * Descriptors::kSize;
+        if (features > kMostFeatures || output.size() - at != point_bytes + descriptor_bytes)
+            return strange;
+        photo.keypoints.resize(features);
+        if (features > 0) {
+            std::memcpy(photo.keypoints.data(), output.data() + at, point_bytes);
+            const auto* bytes =
+                reinterpret_cast<const std::uint8_t*>(output.data() + at + point_bytes);
+            photo.descriptors.values.assign(bytes, bytes + descriptor_bytes);
+        }
+        if (!is_possible(photo)) return strange;
+        return photo;
+    } catch (const json::exception&) {
+        return strange;
+    } catch (const std::out_of_range&) {
+        return strange;
+    }
+}
+
+}  // namespace
+
+Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::string& preset) {
+    const auto output = output_of({"psfm", "decode-photograph", photo.path.string(), "--name",
+                                   photo.name, "--preset", preset});
+    if (!output) {
+        return Error{ErrorCode::kUnreadable,
+                     photo.name + ": decoding it failed or took too much; save it anew"};
+    }
+    auto extracted = parse(*output, photo.name);
+    if (!extracted.ok()) return extracted;
+    // Duplicates are told by the content, of which the file itself is the witness.
+    const auto bytes =
+        read_file_bytes(photo, std::uint64_t{ReadPhotoOptions{}.max_file_mib} << 20U);
+    if (!bytes.ok()) return bytes.error();
+    extracted->metadata.content_hash = XXH64(bytes->data(), bytes->size(), 0);
+    return extracted;
+}
+
+std::optional<std::string> thumbnail_in_sandbox(const std::filesystem::path& photo) {
+    auto output = output_of({"psfm", "decode-photograph", photo.string(), "--thumbnail"});
+    constexpr std::string_view kJpeg = "\xff\xd8\xff";
+    constexpr std::size_t kMost = 1U << 20U;
+    if (!output || !output->starts_with(kJpeg) || output->size() > kMost) return std::nullopt;
+    return output;
+}
+
+int sandboxed_extract(const PhotoFile& photo, const FeatureOptions& options) {
+    cv::setNumThreads(1);
+    const auto extracted = run_features(photo, options);
+    std::string bytes(kMagic);
+    json head;
+    if (extracted.ok()) {
+        head = json_of(extracted->metadata);
+    } else {
+        head = {{"error", extracted.error().message},
+                {"code", static_cast<int>(extracted.error().code)}};
+    }
+    const std::string text = head.dump(-1, ' ', false, json::error_handler_t::replace);
+    append_u32(bytes, text.size());
+    bytes += text;
+    if (extracted.ok()) {
+        append_u32(bytes, extracted->keypoints.size());
+        bytes.append(reinterpret_cast<const char*>(extracted->keypoints.data()),
+                     extracted->keypoints.size() * sizeof(Keypoint));
+        bytes.append(reinterpret_cast<const char*>(extracted->descriptors.values.data()),
+                     extracted->descriptors.values.size());
+    }
+    write_all(bytes);
+    return 0;
+}
+
+int sandboxed_thumbnail(const std::filesystem::path& photo) {
+    cv::setNumThreads(1);
+    const auto decoded = read_photo({photo, photo.filename().string()}, ReadPhotoOptions{});
+    if (!decoded.ok()) return 1;
+    const int longer = std::max(decoded->colour.cols, decoded->colour.rows);
+    const double scale = std::min(1.0, static_cast<double>(kThumbnailSide) / longer);
+    cv::Mat small;
+    cv::resize(decoded->colour, small, {}, scale, scale, cv::INTER_AREA);
+    std::vector<std::uint8_t> jpeg;
+    constexpr int kQuality = 75;
+    if (!cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality})) return 1;
+    write_all({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    return 0;
+}
+
+}  // namespace psfm

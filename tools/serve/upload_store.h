@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "graph/result.h"
+#include "scheduler/run_session.h"
+#include "tools/serve/http.h"
+
+namespace psfm {
+
+/// A photograph that was sent, and is on the disk for good.
+struct Upload {
+    std::string sha256;
+    std::uint32_t user = 0;
+    std::string title;  ///< what it was called where it came from; never a path
+    std::string file;   ///< relative to the folder: USER/SHA256.EXTENSION, its name in the session
+    std::int64_t time = 0;
+};
+
+struct UploadLimits {
+    std::uint64_t most_bytes = std::uint64_t{64} << 20U;   ///< of a photograph
+    std::uint64_t quota_bytes = std::uint64_t{20} << 30U;  ///< of all that a user sends
+    std::uint64_t free_bytes = std::uint64_t{1} << 30U;    ///< of the disk that stay free
+    std::size_t at_once = 16;                              ///< uploads; more are told to wait
+    /// Photographs that wait for the engine; more are told to wait. Higher: a longer way from
+    /// sending to seeing; lower: the engine may run dry.
+    std::size_t queue = 64;
+};
+
+/// Photographs that users send: content-addressed, resumable, and acknowledged once they are
+/// durable. SESSION/photographs/USER/SHA256.EXTENSION, beside it SHA256.part while it comes; and
+/// SESSION/uploads.log, a line of JSON for each that was acknowledged, in order. Both are the truth
+/// after a crash: what has a line is there. Thread-safe.
+class UploadStore {
+  public:
+    /// @errors kIo, kDamaged
+    static Result<std::unique_ptr<UploadStore>> open(const std::filesystem::path& session,
+                                                     const UploadLimits& limits);
+
+    const std::filesystem::path& folder() const { return folder_; }
+
+    /// Bytes of a photograph that are here, and all of them if it is whole.
+    struct Progress {
+        std::uint64_t offset = 0;
+        bool complete = false;
+    };
+    Progress progress(std::uint32_t user, const std::string& sha256) const;
+
+    struct Offer {
+        std::uint32_t user = 0;
+        std::string sha256;
+        std::string title;
+        std::uint64_t offset = 0;  ///< where the bytes begin
+        std::uint64_t length = 0;  ///< of the whole photograph
+    };
+    /// What becomes of bytes that somebody wants to send.
+    struct Admission {
+        std::optional<HttpResponse> refusal;  ///< an answer instead
+        std::unique_ptr<BodySink> sink;
+    };
+    /// Does not wait for the disk but for a look at a file's length.
+    Admission admit(const Offer& offer);
+
+    std::vector<Upload> uploads() const;
+    std::optional<Upload> find(const std::string& sha256) const;
+    /// By the photograph's name in the session.
+    std::optional<Upload> find_file(const std::string& file) const;
+
+    /// The next photograph for the engine; nothing at present.
+    std::optional<PhotoFile> take();
+    std::size_t waiting() const;
+    /// Photographs that an earlier process was sent and the session lacks: they wait again.
+    void queue_missing(const std::set<std::string>& known_names);
+
+  private:
+    friend class UploadSink;
+    UploadStore(std::filesystem::path session, const UploadLimits& limits);
+    Result<void> read_log();
+    /// Once all bytes are in the file. On the disk thread.
+    HttpResponse complete(const Offer& offer);
+    void release(const std::string& sha256);
+    std::filesystem::path part_of(std::uint32_t user, const std::string& sha256) const;
+
+    std::filesystem::path session_, folder_;
+    UploadLimits limits_;
+    mutable std::mutex mutex_;
+    std::vector<Upload> uploads_;
+    std::map<std::string, std::size_t> by_sha256_, by_file_;
+    std::map<std::uint32_t, std::uint64_t> bytes_of_user_;
+    std::set<std::string> open_;  // hashes that somebody sends at present
+    std::deque<PhotoFile> queue_;
+};
+
+/// What users send, for run_session; never ends.
+class UploadSource final : public PhotoSource {
+  public:
+    explicit UploadSource(UploadStore& store) : store_(&store) {}
+    Next next(PhotoFile& photo) override;
+
+  private:
+    UploadStore* store_;
+};
+
+}  // namespace psfm

@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/serve/users.h"
+
+#include <fcntl.h>
+#include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tools/serve/sha256.h"
+
+namespace psfm {
+namespace {
+
+using nlohmann::ordered_json;
+constexpr std::size_t kTokenBytes = 32;
+constexpr std::size_t kLongestName = 64;
+
+std::int64_t stamp_of_file(const std::filesystem::path& file) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) return 0;
+    return status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec + status.st_size;
+}
+
+std::string new_token() {
+    std::array<unsigned char, kTokenBytes> bytes{};
+    randombytes_buf(bytes.data(), bytes.size());
+    std::string text(
+        sodium_base64_ENCODED_LEN(kTokenBytes, sodium_base64_VARIANT_URLSAFE_NO_PADDING), '\0');
+    sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(),
+                      sodium_base64_VARIANT_URLSAFE_NO_PADDING);
+    text.resize(text.find('\0'));
+    return text;
+}
+
+bool is_name(const std::string& name) {
+    return !name.empty() && name.size() <= kLongestName && std::ranges::none_of(name, [](char c) {
+        return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    });
+}
+
+}  // namespace
+
+std::optional<UserRole> role_from_name(std::string_view name) {
+    if (name == "look") return UserRole::kLook;
+    if (name == "send") return UserRole::kSend;
+    if (name == "owner") return UserRole::kOwner;
+    return std::nullopt;
+}
+
+std::string_view role_name(UserRole role) {
+    switch (role) {
+        case UserRole::kLook:
+            return "look";
+        case UserRole::kSend:
+            return "send";
+        case UserRole::kOwner:
+            return "owner";
+    }
+    return "look";
+}
+
+Result<std::unique_ptr<Users>> Users::open(const std::filesystem::path& session) {
+    if (sodium_init() < 0) return Error{ErrorCode::kInternal, "libsodium cannot be used"};
+    std::unique_ptr<Users> users(new Users(session / "users.json"));
+    if (const auto done = users->read(); !done.ok()) return done.error();
+    return users;
+}
+
+Result<void> Users::read() const {
+    stamp_ = stamp_of_file(file_);
+    looked_ = std::time(nullptr);
+    std::ifstream stream(file_);
+    if (!stream) {
+        users_.clear();
+        return {};
+    }
+    const auto damaged = [&]() -> Error {
+        return {ErrorCode::kDamaged, file_.string() + " is damaged; remove it and add users again"};
+    };
+    const auto object = ordered_json::parse(stream, nullptr, false);
+    if (!object.is_object() || !object.contains("users")) return damaged();
+    std::vector<User> users;
+    try {
+        for (const auto& entry : object.at("users")) {
+            User user;
+            user.number = entry.at("number").get<std::uint32_t>();
+            user.name = entry.at("name").get<std::string>();
+            const auto role = role_from_name(entry.at("role").get<std::string>());
+            if (!role) return damaged();
+            user.role = *role;
+            user.token_sha256 = entry.at("token_sha256").get<std::string>();
+            user.expires = entry.at("expires").get<std::int64_t>();
+            user.removed = entry.value("removed", false);
+            users.push_back(std::move(user));
+        }
+    } catch (const nlohmann::json::exception&) {
+        return damaged();
+    }
+    users_ = std::move(users);
+    return {};
+}
+
+Result<void> Users::write() const {
+    ordered_json list = ordered_json::array();
+    for (const User& user : users_) {
+        list.push_back({{"number", user.number},
+                        {"name", user.name},
+                        {"role", role_name(user.role)},
+                        {"token_sha256", user.token_sha256},
+                        {"expires", user.expires},
+                        {"removed", user.removed}});
+    }
+    const std::string text = ordered_json{{"users", std::move(list)}}.dump(
+                                 1, ' ', false, ordered_json::error_handler_t::replace) +
+                             "\n";
+    const std::string part = file_.string() + ".part";
+    constexpr mode_t kOwnerOnly = 0600;
+    const int descriptor =
+        ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kOwnerOnly);
+    const bool written =
+        descriptor >= 0 && ::fchmod(descriptor, kOwnerOnly) == 0 &&
+        ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+        ::fsync(descriptor) == 0;
+    if (descriptor >= 0) ::close(descriptor);
+    std::error_code error;
+    if (written) std::filesystem::rename(part, file_, error);
+    if (!written || error)
+        return Error{ErrorCode::kIo, file_.string() + " cannot be written; is the disk full?"};
+    stamp_ = stamp_of_file(file_);
+    return {};
+}
+
+void Users::look_again() const {
+    const std::int64_t now = std::time(nullptr);
+    if (now == looked_) return;
+    looked_ = now;
+    // A file that is damaged for the moment keeps the users as they were.
+    if (stamp_of_file(file_) != stamp_) static_cast<void>(read().ok());
+}
+
+Result<std::string> Users::add(const std::string& name, UserRole role, std::int64_t expires) {
+    const std::lock_guard lock(mutex_);
+    if (!is_name(name)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "a user's name has 1 to 64 bytes and no control characters"};
+    }
+    const bool is_taken = std::ranges::any_of(
+        users_, [&](const User& user) { return user.name == name && !user.removed; });
+    if (is_taken) {
+        return Error{ErrorCode::kDuplicate,
+                     "there is a user " + name + " already; --remove-user first"};
+    }
+    const std::string token = new_token();
+    std::uint32_t number = 1;
+    for (const User& user : users_) number = std::max(number, user.number + 1);
+    users_.push_back({number, name, role, sha256_hex(token), expires, false});
+    if (const auto done = write(); !done.ok()) {
+        users_.pop_back();
+        return done.error();
+    }
+    return token;
+}
+
+Result<void> Users::remove(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    const auto user = std::ranges::find_if(
+        users_, [&](const User& one) { return one.name == name && !one.removed; });
+    if (user == users_.end()) return Error{ErrorCode::kNotFound, "there is no user " + name};
+    user->removed = true;
+    user->token_sha256.clear();
+    return write();
+}
+
+bool Users::empty() const {
+    const std::lock_guard lock(mutex_);
+    look_again();
+    return users_.empty();
+}
+
+std::vector<User> Users::all() const {
+    const std::lock_guard lock(mutex_);
+    look_again();
+    return users_;
+}
+
+std::optional<User> Users::of_token(std::string_view token) const {
+    const std::string hash = sha256_hex(token);
+    const std::lock_guard lock(mutex_);
+    look_again();
+    const std::int64_t now = std::time(nullptr);
+    const User* found = nullptr;
+    for (const User& user : users_) {
+        if (user.token_sha256.size() != hash.size()) continue;  // removed
+        if (sodium_memcmp(user.token_sha256.data(), hash.data(), hash.size()) == 0) found = &user;
+    }
+    if (found == nullptr || found->removed || (found->expires != 0 && found->expires < now))
+        return std::nullopt;
+    return *found;
+}
+
+}  // namespace psfm

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Follows a running session: one stream of events, and the changes that they announce.
+import { ImageFact, ServerSource, Session } from "./source";
+import type { Viewer } from "./viewer";
+
+export class Live {
+  private stream: EventSource | null = null;
+  private busy = false;
+  private again = false;
+  private wanted = 0; // number of the last change that was announced
+  private listIsOld = false;
+
+  constructor(private readonly viewer: Viewer, private readonly source: ServerSource) {}
+
+  start(): void {
+    this.open();
+    // None when hidden: browsers have few connections for one host.
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden) { this.stream?.close(); this.stream = null; } else if (!this.stream) { this.open(); }
+    });
+  }
+  private on<T>(kind: string, act: (data: T) => void): void {
+    this.stream!.addEventListener(kind, (event) => act(JSON.parse((event as MessageEvent<string>).data) as T));
+  }
+  private open(): void {
+    this.stream = new EventSource(`${this.source.base}/events`);
+    this.on("hello", () => void this.all()); // also when the page was hidden for a while
+    this.on("reset", () => void this.all());
+    this.on<ImageFact>("image", (image) => this.image(image));
+    this.on<Session["counts"] & { change: number }>("version", (version) => {
+      this.viewer.session.counts = version;
+      this.wanted = version.change;
+      this.viewer.tell();
+      void this.catchUp();
+    });
+    this.on<Session["events"][0]>("event", (event) => { this.viewer.session.events.push(event); this.viewer.tell(); });
+    this.on<Session["hints"]>("hint", (hints) => { this.viewer.session.hints = hints; this.viewer.tell(); });
+  }
+  private image(image: ImageFact): void {
+    const list = this.viewer.session.image_list;
+    const at = image.id !== undefined ? list.findIndex((known) => known.id === image.id) : list.findIndex((known) => known.name === image.name);
+    if (at >= 0) list[at] = image;
+    else {
+      // Accepted ones stand before the rejected, by number.
+      const before = image.id === undefined ? -1 : list.findIndex((known) => known.id === undefined || known.id > image.id!);
+      if (before < 0) list.push(image); else list.splice(before, 0, image);
+    }
+    if (this.listIsOld) return;
+    this.listIsOld = true;
+    setTimeout(() => { this.listIsOld = false; this.viewer.list.update(list); }, 50); // many come at once
+  }
+  /** Everything anew: states, edges and cameras; the model by its changes, where these are kept. */
+  private async all(): Promise<void> {
+    try {
+      const session = await this.source.session();
+      this.viewer.session = session;
+      this.viewer.list.update(session.image_list);
+      for (const camera of session.cameras) this.viewer.stage.cameras.set(camera.id, camera);
+      this.viewer.stage.setEdges(session.edges);
+      this.viewer.tell();
+      this.wanted = Infinity;
+      await this.catchUp();
+    } catch (error) {
+      this.viewer.fail(error as Error);
+    }
+  }
+  /** One at a time; what comes meanwhile is taken along by the next. */
+  private async catchUp(): Promise<void> {
+    if (this.busy) { this.again = true; return; }
+    this.busy = true;
+    try {
+      do {
+        this.again = false;
+        if (this.wanted > this.viewer.model.number) await this.once();
+      } while (this.again);
+    } catch (error) {
+      this.viewer.fail(error as Error);
+    } finally {
+      this.busy = false;
+    }
+  }
+  private async once(): Promise<void> {
+    const { model, stage } = this.viewer;
+    const changes = await this.source.changes(model.number), wasEmpty = model.clusters.size === 0;
+    if (changes === null) {
+      model.clusters.clear();
+      model.apply(await this.source.scene());
+    } else {
+      for (const change of changes) model.apply(change);
+    }
+    this.wanted = Math.min(this.wanted, model.number);
+    stage.refresh();
+    if (wasEmpty && model.clusters.size > 0) stage.fit();
+    this.viewer.timeline.forget();
+  }
+}
