@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "scheduler/event_log.h"
+#include "scheduler/option_table.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"
@@ -66,14 +67,19 @@ Result<Address> address_in(const std::string& listen) {
     return address;
 }
 
+/// As it stands in a URL.
+std::string host_of(const Address& address) {
+    if (address.ip.find(':') == std::string::npos) return address.ip;
+    return std::string("[").append(address.ip).append("]");
+}
+
 /// What browsers may call a server that listens there.
 std::set<std::string> hosts_of(const Address& address, std::uint16_t port,
                                const std::vector<std::string>& more) {
     std::set<std::string> hosts(more.begin(), more.end());
     const std::string suffix = ":" + std::to_string(port);
     for (const char* name : {"localhost", "127.0.0.1", "[::1]"}) hosts.insert(name + suffix);
-    const bool is_v6 = address.ip.find(':') != std::string::npos;
-    hosts.insert((is_v6 ? "[" + address.ip + "]" : address.ip) + suffix);
+    hosts.insert(host_of(address).append(suffix));
     return hosts;
 }
 
@@ -99,10 +105,7 @@ Result<std::unique_ptr<HttpServer>> listen(const Address& address) {
 }
 
 void tell_address(const Address& address, std::uint16_t port) {
-    const bool is_v6 = address.ip.find(':') != std::string::npos;
-    std::cout << "listening on http://" << (is_v6 ? "[" + address.ip + "]" : address.ip) << ':'
-              << port << "/\n"
-              << std::flush;
+    std::cout << "listening on http://" << host_of(address) << ':' << port << "/\n" << std::flush;
     if (!has_pages()) {
         std::cout << "this psfm was built without pages: the API is under /api/v1 "
                      "(tools/install-packages fetches what pages are made of)\n"
@@ -115,6 +118,7 @@ Result<SessionConfig> config_of(SessionStore& store, const fs::path& photographs
     if (settings.ok()) return decode_config(settings->settings_json);
     if (settings.error().code != ErrorCode::kNotFound) return settings.error();
     SessionConfig config;
+    config.options = option_values(*stage_options(config));  // so that it goes on as it began
     const SessionSettings begun{fs::absolute(photographs).lexically_normal().string(),
                                 encode_config(config)};
     if (const auto stored = store.put_settings(begun); !stored.ok()) return stored.error();

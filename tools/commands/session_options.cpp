@@ -223,8 +223,8 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
         return report_error(done.error(), ErrorOrigin::kOtherInput);
     // All of them, so that the session goes on as it began.
     request.config.options = option_values(*stage_options(request.config));
-    const std::filesystem::path photos =
-        request.config.database_photos.empty() ? input : request.config.database_photos;
+    std::filesystem::path photos = input;
+    if (!request.config.database_photos.empty()) photos = request.config.database_photos;
     request.settings =
         SessionSettings{std::filesystem::absolute(photos).lexically_normal().string(),
                         encode_config(request.config)};

@@ -16,10 +16,13 @@ constexpr double kWide = 640.0;
 constexpr double kMostHigh = 480.0;
 constexpr int kLevels = 5;  // of grey, as classes l0 … l4
 
-std::string level_class(double share) {
+std::string class_of_level(int level) {
     // append: GCC 12 takes "l" + string for an overlapping copy here (GCC bug 105329).
-    return std::string("l").append(
-        std::to_string(std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1)));
+    return std::string("l").append(std::to_string(level));
+}
+
+std::string level_class(double share) {
+    return class_of_level(std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1));
 }
 
 /// From the ground to the plot; y goes up there and down here.
@@ -87,7 +90,7 @@ std::string coverage_plot(const PartFacts& part, const ReportFacts& facts) {
             square(cell.first * kCell, cell.second * kCell, kCell);
     }
     for (int level = 0; level < kLevels; ++level)
-        svg.path(levels.at(static_cast<std::size_t>(level)), "l" + std::to_string(level));
+        svg.path(levels.at(static_cast<std::size_t>(level)), class_of_level(level));
     for (const auto& [image, place] : part.cameras) {
         const Eigen::Vector2d at = frame(place);
         svg.circle(at.x(), at.y(), 2.5, "camera", facts.session.images[index_of(image)].name);
@@ -127,7 +130,8 @@ std::string view_graph_plot(const PartFacts& part, const ReportFacts& facts, std
             stroke;
     }
     for (int level = 0; level < kLevels; ++level)
-        svg.path(holds.at(static_cast<std::size_t>(level)), "edge l" + std::to_string(level));
+        svg.path(holds.at(static_cast<std::size_t>(level)),
+                 std::string("edge ").append(class_of_level(level)));
     svg.path(against, "edge against");
     for (const auto& [image, place] : part.cameras) {
         const Eigen::Vector2d at = frame(place);
@@ -164,7 +168,7 @@ std::string match_matrix_plot(const ReportFacts& facts) {
     Svg svg(440, 440, "Matches between all images, in order of arrival");
     svg.rect(0, 0, 440, 440, "frame");
     for (int level = 0; level < kLevels; ++level)
-        svg.path(levels.at(static_cast<std::size_t>(level)), "l" + std::to_string(level));
+        svg.path(levels.at(static_cast<std::size_t>(level)), class_of_level(level));
     return svg.finish();
 }
 

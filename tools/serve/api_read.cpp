@@ -295,7 +295,7 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
         return problem(404, "there is no such image");
     const auto settings = parts_.reader->settings();
     const std::filesystem::path folder =
-        settings.ok() ? settings->photo_folder : std::filesystem::path();
+        settings.ok() ? std::filesystem::path(settings->photo_folder) : std::filesystem::path();
     const std::filesystem::path photo = folder / facts[image].name;
     const std::filesystem::path kept =
         parts_.session / "thumbnails" / (sha256_hex(facts[image].name) + ".jpg");

@@ -10,6 +10,7 @@
 #include "scheduler/event_log.h"
 #include "tools/report/status_json.h"
 #include "tools/serve/gzip.h"
+#include "tools/serve/wire.h"
 
 namespace psfm {
 namespace {
