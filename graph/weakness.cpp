@@ -14,6 +14,8 @@ const char* name_of(Weakness weakness) {
             return "thin_joint";
         case Weakness::kImplausibleFocal:
             return "implausible_focal";
+        case Weakness::kLookAlikes:
+            return "look_alikes";
     }
     return "unknown";
 }
@@ -22,8 +24,7 @@ const char* describe(Weakness weakness) {
     switch (weakness) {
         case Weakness::kSmallAngles:
             return "its points are seen from hardly different directions, so that depths are "
-                   "vague; "
-                   "take photographs from further apart";
+                   "vague; take photographs from further apart";
         case Weakness::kFewPoints:
             return "its photographs see few points in common; take more of them, with more overlap";
         case Weakness::kThinJoint:
@@ -32,6 +33,9 @@ const char* describe(Weakness weakness) {
         case Weakness::kImplausibleFocal:
             return "a focal length came out implausible; give it by --cameras, or "
                    "--camera-sharing all where one camera took them";
+        case Weakness::kLookAlikes:
+            return "some of its photographs should show what they do not: these could be two alike "
+                   "objects; photographs between them would tell";
     }
     return "unknown";
 }

@@ -14,8 +14,9 @@ enum class Weakness : std::uint8_t {
     kFewPoints = 1,         ///< its images see few points
     kThinJoint = 2,         ///< parts of it hang together by a handful of points
     kImplausibleFocal = 3,  ///< a focal length that no camera has, or that others of its size lack
+    kLookAlikes = 4,        ///< its images should see what they do not: two things may be one in it
 };
-constexpr std::uint32_t kWeaknessCount = 4;
+constexpr std::uint32_t kWeaknessCount = 5;
 
 /// A set of them.
 struct Weaknesses {

@@ -106,6 +106,10 @@ class Committer {
     /// store
     Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
                              const std::set<ClusterId>& others);
+    /// Forgets which images of small clusters are of different places, as earlier models said it:
+    /// all images of the session say it again. Once for each number of them. @return whether there
+    /// was something @errors those of the store
+    Result<bool> forget_places();
     /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return
     /// whether there was something @errors those of the store
     Result<bool> join_late();
@@ -176,7 +180,8 @@ class Committer {
     std::size_t settles_at_once_ = 8;
     /// No photograph has come since the session was at rest: what is solved looks at weak edges.
     bool concluding_ = false;
-    std::size_t solving_ = 0;            // solves in flight
+    std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
+    std::size_t solving_ = 0;                // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
     bool failed_ = false;
 };

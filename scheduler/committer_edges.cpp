@@ -4,6 +4,7 @@
 // What the committer does when edges of the view graph come and go: with a new image, and when a
 // model turns out to show two places.
 #include <algorithm>
+#include <utility>
 
 #include "scheduler/committer.h"
 #include "scheduler/describe_events.h"
@@ -53,6 +54,30 @@ Result<StoredEdit> Committer::separate(const ClusterProblem& problem,
             holders.insert(state_.clustering.cluster_of[index_of(pair.first)]);
     }
     return apply(keep_apart(state_.edges, state_.view_graph, verdict), holders);
+}
+
+Result<bool> Committer::forget_places() {
+    if (state_.edges.apart_count == 0) return false;
+    if (std::exchange(places_forgotten_at_, state_.verified) == state_.verified) return false;
+    const bool is_settled = std::ranges::all_of(state_.clusters.entries(), [](const auto& entry) {
+        return !entry.second.model || entry.second.settled;
+    });
+    if (is_settled) return false;  // nothing has come since it was asked last
+    PlaceVerdict verdict;
+    std::set<ClusterId> holders;
+    for (const std::vector<ImageId>& images :
+         images_held_apart(state_.clustering, state_.edges, options_.solve.doubt.max_images)) {
+        for (const ImagePair& pair : apart_pairs_of(state_.edges, images)) {
+            verdict.together.push_back(pair);
+            holders.insert(state_.clustering.cluster_of[index_of(pair.first)]);
+        }
+    }
+    if (verdict.empty()) return false;
+    const auto edit = apply(keep_apart(state_.edges, state_.view_graph, verdict), holders);
+    if (!edit.ok()) return edit.error();
+    changed_ = true;
+    const auto stored = store_->commit_clusters(*edit);
+    return stored.ok() ? Result<bool>(true) : stored.error();
 }
 
 Result<StoredEdit> Committer::apply(const EdgeChanges& edges, const std::set<ClusterId>& others) {

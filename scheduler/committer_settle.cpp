@@ -14,7 +14,9 @@ namespace psfm {
 Result<void> Committer::conclude(CommitOutput& output) {
     concluding_ = true;
     if (!std::exchange(settle_first_, false)) {
-        const auto joined = join_late();
+        const auto forgotten = forget_places();
+        if (!forgotten.ok()) return forgotten.error();
+        const auto joined = *forgotten ? Result<bool>(true) : join_late();
         if (!joined.ok()) return joined.error();
         if (*joined) return start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
     }

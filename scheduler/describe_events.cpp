@@ -59,6 +59,7 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
                             std::span<const Image> images) {
     const Reset& reset = *solution.statistics.reset;
     const bool stuck = reset.reason == Reset::Reason::kStuck;
+    const bool missing = reset.reason == Reset::Reason::kMissing;
     const Contradiction& contradiction = reset.contradiction;
     SessionEvent event;
     event.kind = SessionEvent::Kind::kReset;
@@ -72,6 +73,10 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     if (stuck) {
         event.text += "only " + std::to_string(reset.placed_before) +
                       " of its images could be placed in its model";
+    } else if (missing) {
+        event.text +=
+            "some of its images should have seen what they did not, and another model "
+            "explains more";
     } else {
         event.images = {images[index_of(contradiction.pair.first)].name,
                         images[index_of(contradiction.pair.second)].name};
@@ -83,7 +88,9 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     }
     event.text += "; the new model has " + std::to_string(solution.model->images.size()) + " of " +
                   std::to_string(problem.images.size()) + " images";
-    event.detail_json = nlohmann::json{{"reason", stuck ? "stuck" : "contradiction"},
+    event.detail_json = nlohmann::json{{"reason", stuck     ? "stuck"
+                                                  : missing ? "missing"
+                                                            : "contradiction"},
                                        {"scope", reset_images.empty() ? "cluster" : "images"},
                                        {"reset_images", reset_images},
                                        {"angle_deg", contradiction.angle_deg},

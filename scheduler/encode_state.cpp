@@ -40,6 +40,7 @@ std::string encode_solve_state(const StoredSolveState& state) {
                 {"images_at_places", state.state.images_at_places},
                 {"has_strangers", state.state.has_strangers},
                 {"images_at_ties", state.state.images_at_ties},
+                {"images_when_reconsidered", state.state.images_when_reconsidered},
                 {"weaknesses", state.state.weaknesses.bits},
                 {"settled", state.settled}}
         .dump();
@@ -63,6 +64,7 @@ StoredSolveState decode_solve_state(const std::string& text) {
     count("images_at_start", state.state.images_at_start);
     count("images_at_places", state.state.images_at_places);
     count("images_at_ties", state.state.images_at_ties);
+    count("images_when_reconsidered", state.state.images_when_reconsidered);
     count("weaknesses", state.state.weaknesses.bits);
     if (const auto angle = object.find("tolerated_contradiction_deg");
         angle != object.end() && angle->is_number()) {

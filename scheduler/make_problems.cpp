@@ -123,7 +123,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->recycled_state = entry.material_state;
     problem->fix_intrinsics = config.fix_intrinsics;
     problem->settle = settle;
-    problem->use_weak_edges = settle || conclude;
+    problem->concluding = settle || conclude;
     problem->seed = config.seed;
     const std::vector<ImageId> images = state.clusters.images_of(entry);
     problem->view_graph = state.view_graph;

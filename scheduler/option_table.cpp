@@ -34,6 +34,7 @@ constexpr std::array kTable{
     PSFM_OPTION(edges.min_inliers, 1, kCount, "verified inliers that an edge of the view graph needs"),
     PSFM_OPTION(edges.min_relative_plausibility, 0, 1, "part of the best plausibility of its images that an edge needs"),
     PSFM_OPTION(edges.min_weak_inliers, 0, kCount, "verified inliers that a weak edge needs; 0: there are none"),
+    PSFM_OPTION(edges.still.min_pairs, 0, kCount, "pairs that show a feature stand still before it counts for no scene; 0: it always does"),
     PSFM_OPTION(features.sift.contrast_threshold, 1e-4, 1, "least contrast of a feature"),
     PSFM_OPTION(features.sift.edge_threshold, 1.01, 1000, "largest ratio of a feature's principal curvatures"),
     PSFM_OPTION(features.sift.max_features, 1, 1e6, "most places of a photograph that have features"),
@@ -45,6 +46,10 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.absolute_pose.max_iterations, 1, 1e8, "RANSAC iterations of a registration"),
     PSFM_OPTION(solve.absolute_pose.min_inlier_ratio, 0, 1, "share of the points that a registration needs"),
     PSFM_OPTION(solve.absolute_pose.min_inliers, 4, kCount, "inliers that a registration needs"),
+    PSFM_OPTION(solve.assessment.max_invented, 0, 1, "part of known turns that a model may show as steps; 0: all"),
+    PSFM_OPTION(solve.doubt.max_cuts, 0, 1000, "cuts of a doubted model that are tried"),
+    PSFM_OPTION(solve.doubt.max_images, 0, 2000, "images up to which a model is compared with others at the end; 0: none is"),
+    PSFM_OPTION(solve.doubt.min_missing_part, 0.01, 1, "part of a pair's regions that are missing where it contradicts its model"),
     PSFM_OPTION(solve.eta_grow, 0, 100, "growth after which all of a model is adjusted"),
     PSFM_OPTION(solve.initialization.max_pairs, 1, kCount, "pairs tried for one start"),
     PSFM_OPTION(solve.initialization.min_angle_deg, 0, 180, "median triangulation angle of a start [deg]"),
@@ -68,6 +73,7 @@ constexpr std::array kTable{
     PSFM_OPTION(verification.verify.max_uncalibrated_error_px, 0.01, 1000, "the same where a focal length is unknown [px]"),
     PSFM_OPTION(verification.verify.min_inlier_ratio, 0, 1, "share of the matches that a verified pair needs"),
     PSFM_OPTION(verification.verify.min_inliers, 8, kCount, "inliers that a verified pair needs"),
+    PSFM_OPTION(verification.verify.still.min_matches, 0, kCount, "matches at one place of both photographs that are looked at twice; 0: none are"),
 };
 // clang-format on
 #undef PSFM_OPTION

@@ -149,7 +149,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     arena.execute([&] { restored = restore_session(store, config, *options); });
     if (!restored.ok()) return restored.error();
     const SeenPhotos seen(*restored);
-    auto front_end = make_front_end(store, config, *options, restored->state, arena, salvage, extract);
+    auto front_end =
+        make_front_end(store, config, *options, restored->state, arena, salvage, extract);
     if (!front_end.ok()) return front_end.error();
     SessionGraph::Parts parts;
     parts.committed_images = restored->state.verified;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "graph/result.h"
-#include "scheduler/messages.h"
 #include "scheduler/front_end.h"
+#include "scheduler/messages.h"
 #include "scheduler/node_times.h"
 #include "scheduler/salvage.h"
 #include "scheduler/session_config.h"

@@ -50,9 +50,13 @@ Result<Camera> decode_camera(const json& object) {
 std::map<std::string, double> options_before_they_were_stored() {
     return {{"clustering.join_below", 0},
             {"edges.min_weak_inliers", 0},
+            {"edges.still.min_pairs", 0},
+            {"solve.assessment.max_invented", 0},
+            {"solve.doubt.max_images", 0},
             {"verification.cells.min_strongest_matches", 10},
             {"verification.verify.max_uncalibrated_error_px", 2},
-            {"verification.verify.min_inlier_ratio", 0.25}};
+            {"verification.verify.min_inlier_ratio", 0.25},
+            {"verification.verify.still.min_matches", 0}};
 }
 
 }  // namespace
@@ -82,6 +86,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.places.min_contradictions = 0;
         options.solve.loops.min_open_edges = 0;
         options.solve.assessment.max_invented = 0.0;
+        options.solve.doubt.max_images = 0;
         options.solve.extend_locally_from = 0;
         options.solve.adjust_all_up_to = std::numeric_limits<std::uint32_t>::max();
         options.solve.converge_up_to = std::numeric_limits<std::uint32_t>::max();

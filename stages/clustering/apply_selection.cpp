@@ -143,8 +143,8 @@ EdgeChanges apply_selection(EdgeSelection& selection, ViewGraph& graph,
                                      edge->pair->geometry.inliers == now.pair->geometry.inliers);
         if (same) continue;
         // What models rest on: what is an edge still has gained if it was a weak one.
-        const bool is_raised = edge != nullptr && now.pair && edge->weight < now.weight &&
-                               edge->pair == now.pair;
+        const bool is_raised =
+            edge != nullptr && now.pair && edge->weight < now.weight && edge->pair == now.pair;
         if (edge != nullptr) {
             graph.remove_edge(a, b);
             if (!is_raised) changes.removed.push_back(pair);

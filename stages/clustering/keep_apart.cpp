@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -96,6 +97,36 @@ std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
         }
     }
     return pairs;
+}
+
+std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clustering,
+                                                    const EdgeSelection& selection,
+                                                    std::uint32_t max_images) {
+    std::map<ClusterId, std::set<ClusterId>> neighbors;
+    for (std::uint32_t image = 0; image < selection.apart.size(); ++image) {
+        for (const ImageId other : selection.apart[image])
+            neighbors[clustering.cluster_of[image]].insert(clustering.cluster_of[index_of(other)]);
+    }
+    std::vector<std::vector<ImageId>> groups;
+    std::set<ClusterId> reached;
+    for (const auto& [cluster, beside] : neighbors) {
+        std::vector<ClusterId> open;
+        std::vector<ImageId> images;
+        if (reached.insert(cluster).second) open.push_back(cluster);
+        while (!open.empty()) {
+            const ClusterId next = open.back();
+            open.pop_back();
+            const std::vector<ImageId>& members = clustering.members.at(next);
+            images.insert(images.end(), members.begin(), members.end());
+            for (const ClusterId other : neighbors[next]) {
+                if (reached.insert(other).second) open.push_back(other);
+            }
+        }
+        if (images.empty() || images.size() > max_images) continue;
+        std::ranges::sort(images);
+        groups.push_back(std::move(images));
+    }
+    return groups;
 }
 
 }  // namespace psfm

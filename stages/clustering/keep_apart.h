@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "stages/clustering/clustering_state.h"
 #include "stages/clustering/select_edges.h"
 
 namespace psfm {
@@ -30,5 +32,11 @@ EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVe
 /// The known pairs with their smaller image among `images` (ascending), ascending.
 std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
                                       std::span<const ImageId> images);
+
+/// Images of clusters that such pairs connect, a list for each set of clusters, ascending; lists of
+/// more than `max_images` are left out.
+std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clustering,
+                                                    const EdgeSelection& selection,
+                                                    std::uint32_t max_images);
 
 }  // namespace psfm

@@ -27,7 +27,7 @@ std::vector<VerifiedPairPtr> pairs_of(const ClusterProblem& problem) {
 }
 
 std::vector<VerifiedPairPtr> weak_pairs_of(const ClusterProblem& problem) {
-    if (!problem.use_weak_edges) return {};
+    if (!problem.concluding) return {};
     return pairs_of(problem, /*weak=*/true);
 }
 

@@ -47,6 +47,8 @@ struct SolveState {
     /// that were added since have given reason to.
     std::uint32_t images_at_places = 0;
     bool has_strangers = false;
+    /// Images of the cluster when a better model was looked for last (reconsider_model).
+    std::uint32_t images_when_reconsidered = 0;
     /// Images of the model when it was last asked which cameras may be one (judge_ties).
     std::uint32_t images_at_ties = 0;
     Weaknesses weaknesses = {};  ///< of the model, when it was last assessed
@@ -78,9 +80,9 @@ struct ClusterProblem {
     /// Cameras that registered images share which are not in this problem: nothing here may refine
     /// them (surroundings.h).
     std::set<CameraId> held_cameras;
-    /// Whether weak edges (ViewGraph::Edge) are looked at, too: once no more images come, since
-    /// better edges may come with these.
-    bool use_weak_edges = false;
+    /// No more images come: weak edges (ViewGraph::Edge) are looked at, too, since nothing better
+    /// comes any more, and a doubtful model is compared with others (reconsider_model).
+    bool concluding = false;
     bool settle = false;  ///< no image is to be added: adjust all of the model to convergence
     std::uint64_t seed = 0;
 };
@@ -111,6 +113,7 @@ struct Reset {
     enum class Reason : std::uint8_t {
         kContradiction,  ///< paper sec. "Detection of Bad Configurations"
         kStuck,          ///< most images of the cluster could not be added to it
+        kMissing,        ///< its images should see what they do not (reconsider_model)
     } reason = Reason::kContradiction;
     Contradiction contradiction;       ///< of the recycled model
     std::uint32_t placed_before = 0;   ///< images in it

@@ -16,6 +16,7 @@
 #include "stages/reconstruction/judge_model.h"
 #include "stages/reconstruction/local_graph.h"
 #include "stages/reconstruction/mend_model.h"
+#include "stages/reconstruction/reconsider_model.h"
 #include "stages/reconstruction/recycle_models.h"
 #include "stages/reconstruction/refine_model.h"
 #include "stages/reconstruction/separate_places.h"
@@ -312,7 +313,10 @@ std::optional<WaitReason> assess(SolveAttempt& attempt, const ClusterProblem& pr
         attempt.places.emplace();
         return WaitReason::kNoParallax;
     }
+    const bool shows_look_alikes = attempt.state.weaknesses.has(Weakness::kLookAlikes) &&
+                                   attempt.state.images_when_reconsidered == problem.images.size();
     attempt.state.weaknesses = weaknesses_of(attempt.model, options.assessment);
+    if (shows_look_alikes) attempt.state.weaknesses.add(Weakness::kLookAlikes);
     return std::nullopt;
 }
 
@@ -326,9 +330,14 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     if (problem.images.size() < options.mu_min) {
         attempt.statistics.kind = SolveKind::kTooSmall;
     } else {
-        auto attempted = solve_with_ties(problem, options, [&](const ClusterProblem& tied) {
-            return attempt_solve(tied, options, cancel);
-        });
+        const AttemptSolve solve_once = [&](const ClusterProblem& posed) {
+            return solve_with_ties(posed, options, [&](const ClusterProblem& tied) {
+                return attempt_solve(tied, options, cancel);
+            });
+        };
+        auto attempted = solve_once(problem);
+        if (attempted.ok() && problem.concluding)
+            attempted = reconsider_model(problem, *std::move(attempted), options, solve_once);
         if (!attempted.ok()) return attempted.error();
         attempt = *std::move(attempted);
         reason = assess(attempt, problem, options).value_or(WaitReason::kNoSeed);

@@ -25,7 +25,8 @@ Result<void> validate(const SolveOptions& options) {
           validate(options.local_adjustment), validate(options.growth.adjustment),
           validate(options.large_growth.adjustment), validate(options.settling.adjustment),
           validate(options.rotation_averaging), validate(options.global), validate(options.places),
-          validate(options.loops), validate(options.ties), validate(options.assessment)}) {
+          validate(options.loops), validate(options.ties), validate(options.assessment),
+          validate(options.doubt)}) {
         if (!part.ok()) return part;
     }
     if (options.mu_min < 2)

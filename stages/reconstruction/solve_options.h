@@ -14,6 +14,7 @@
 #include "stages/reconstruction/average_rotations.h"
 #include "stages/reconstruction/bundle_adjustment.h"
 #include "stages/reconstruction/calibrate_focals.h"
+#include "stages/reconstruction/doubt_options.h"
 #include "stages/reconstruction/filter_directions.h"
 #include "stages/reconstruction/loop_options.h"
 #include "stages/reconstruction/place_options.h"
@@ -155,6 +156,8 @@ struct SolveOptions {
     PlaceOptions places;
     /// When images that match and stand apart are brought together.
     LoopOptions loops;
+    /// When a model is compared with others once no more images come.
+    DoubtOptions doubt;
     /// When a model is none, and when it is a weak one.
     AssessmentOptions assessment;
     /// How two models that come together in a cluster are joined. Their cameras may interleave: the

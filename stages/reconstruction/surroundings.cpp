@@ -135,7 +135,7 @@ std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& pro
     part.twins = problem.twins;
     part.recycled_state = problem.recycled_state;
     part.fix_intrinsics = problem.fix_intrinsics;
-    part.use_weak_edges = problem.use_weak_edges;
+    part.concluding = problem.concluding;
     part.seed = problem.seed;
     for (std::size_t i = 0; i < roles.size(); ++i) {
         if (roles[i] == Role::kOutside) continue;

@@ -100,8 +100,9 @@ Finding disk(const std::filesystem::path& folder) {
     std::string name = (folder / ".psfm-doctor-XXXXXX").string();
     const int file = mkstemp(name.data());
     if (file < 0) {
-        return {Verdict::kMissing,
-                folder.string() + " cannot be written to: name a folder for sessions with --folder"};
+        return {
+            Verdict::kMissing,
+            folder.string() + " cannot be written to: name a folder for sessions with --folder"};
     }
     unlink(name.c_str());
     const std::vector<char> block(std::size_t{1} << 20U, 'x');
@@ -109,9 +110,10 @@ Finding disk(const std::filesystem::path& folder) {
     bool written = true;
     for (int k = 0; k < 5; ++k) {
         const auto begin = std::chrono::steady_clock::now();
-        written = written && pwrite(file, block.data(), block.size(), 0) ==
-                                 static_cast<ssize_t>(block.size()) &&
-                  fsync(file) == 0;
+        written =
+            written &&
+            pwrite(file, block.data(), block.size(), 0) == static_cast<ssize_t>(block.size()) &&
+            fsync(file) == 0;
         milliseconds.push_back(
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
                 .count());

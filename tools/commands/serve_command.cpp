@@ -42,8 +42,8 @@ int add_user(const ServeArguments& arguments) {
     const auto role = *role_from_name(arguments.role);
     const auto token = (*users)->add(arguments.add_user, role, expires);
     if (!token.ok()) return report_error(token.error(), ErrorOrigin::kOtherInput);
-    const std::string base = arguments.link.empty() ? "http://" + arguments.serve.listen
-                                                    : arguments.link;
+    const std::string base =
+        arguments.link.empty() ? "http://" + arguments.serve.listen : arguments.link;
     const std::string link =
         base + (role == UserRole::kLook ? "/" : "/capture") + "#token=" + *token;
     std::cout << link << '\n' << qr_code(link);
@@ -74,8 +74,9 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->add_option("--listen", request.listen,
                      "ADDRESS:PORT; beyond this machine only when there are users")
         ->capture_default_str();
-    command->add_option("--host", request.hosts,
-                        "A name that the server has for browsers (behind a proxy, or in a network)");
+    command->add_option(
+        "--host", request.hosts,
+        "A name that the server has for browsers (behind a proxy, or in a network)");
     command->add_option("--threads", request.threads, "Threads of the engine; 0: one a core")
         ->check(CLI::Range(0, 1024));
     command->add_option("--log", request.log, "Append a log of JSON lines to this file");
@@ -85,15 +86,17 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->capture_default_str();
     auto* add = command->add_option("--add-user", arguments->add_user,
                                     "Make a user, print his link and its QR code, and end");
-    command->add_option("--remove-user", arguments->remove_user,
-                        "Take a user's link back, and end; what he has sent stays")
+    command
+        ->add_option("--remove-user", arguments->remove_user,
+                     "Take a user's link back, and end; what he has sent stays")
         ->excludes(add);
     command
         ->add_option("--role", arguments->role,
                      "Of the new user: look, send (and look), owner (and everything else)")
         ->check(CLI::IsMember({"look", "send", "owner"}))
         ->capture_default_str();
-    command->add_option("--days", arguments->days, "So long the new user's link holds; 0: for ever");
+    command->add_option("--days", arguments->days,
+                        "So long the new user's link holds; 0: for ever");
     command->add_option("--link", arguments->link,
                         "What the new user's link begins with, e.g. https://photos.example.org");
     command->footer(

@@ -182,13 +182,13 @@ int serve_session(const ServeRequest& request) {
 
     catch_stop();
     served.events = std::make_unique<EventRing>(start_of_events());
-    served.live = std::make_unique<LiveSession>(*served.store, *served.events, served.uploads.get(),
-                                                served.users.get(),
-                                                name_of_session(request.session));
-    served.api = std::make_unique<Api>(ApiParts{
-        served.store.get(), served.live.get(), served.uploads.get(), served.users.get(),
-        request.session, hosts_of(*address, served.server->port(), request.hosts),
-        thumbnail_in_sandbox});
+    served.live =
+        std::make_unique<LiveSession>(*served.store, *served.events, served.uploads.get(),
+                                      served.users.get(), name_of_session(request.session));
+    served.api = std::make_unique<Api>(
+        ApiParts{served.store.get(), served.live.get(), served.uploads.get(), served.users.get(),
+                 request.session, hosts_of(*address, served.server->port(), request.hosts),
+                 thumbnail_in_sandbox});
     served.server->start(*served.api, *served.events);
     tell_address(*address, served.server->port());
 
@@ -223,9 +223,9 @@ int view_session(const std::string& session, const std::string& listen_on) {
     auto server = listen(*address);
     if (!server.ok()) return report_error(server.error(), ErrorOrigin::kOtherInput);
     if (!(*server)->is_loopback()) {
-        return report_error({ErrorCode::kInvalidArgument,
-                             "view is for this machine alone; psfm serve has users"},
-                            ErrorOrigin::kOtherInput);
+        return report_error(
+            {ErrorCode::kInvalidArgument, "view is for this machine alone; psfm serve has users"},
+            ErrorOrigin::kOtherInput);
     }
     catch_stop();
     EventRing events(start_of_events());

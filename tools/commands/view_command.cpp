@@ -92,7 +92,8 @@ int view(const ViewArguments& arguments) {
 
 void add_view_command(CLI::App& app, int& exit_code) {
     CLI::App* command = app.add_subcommand(
-        "view", "A session's model to look at in a browser, live or as one file; works beside a run");
+        "view",
+        "A session's model to look at in a browser, live or as one file; works beside a run");
     auto arguments = std::make_shared<ViewArguments>();
     command->add_option("--session", arguments->session, "Session folder")->required();
     auto* output = command->add_option("--output", arguments->output,

@@ -21,7 +21,8 @@ const char* advice_for(WaitReason reason) {
         case WaitReason::kNoParallax:
             return "walk between photographs: no depth follows from turning on the spot";
         case WaitReason::kStandsStill:
-            return "crop away what stands still in the photographs, or take the object before a plain "
+            return "crop away what stands still in the photographs, or take the object before a "
+                   "plain "
                    "background";
         case WaitReason::kTooFewFeatures:
             return "take a sharp, well-lit photograph of something with texture instead";

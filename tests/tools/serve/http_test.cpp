@@ -20,7 +20,8 @@ TEST(Http, TargetsAreTakenApart) {
 }
 
 TEST(Http, StrangeTargetsAreRefused) {
-    for (const char* target : {"", "*", "http://a/", "/a b", "/%", "/%4", "/%zz", "/%00", "/?x=%0"}) {
+    for (const char* target :
+         {"", "*", "http://a/", "/a b", "/%", "/%4", "/%zz", "/%00", "/?x=%0"}) {
         HttpRequest request;
         EXPECT_FALSE(parse_target(target, request)) << target;
     }
@@ -35,7 +36,8 @@ TEST(Http, ProblemsAreProblemDocuments) {
 }
 
 TEST(Http, HashesAndBase64AreThoseOfTheStandards) {
-    EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    EXPECT_EQ(sha256_hex("abc"),
+              "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     Sha256 hash;
     hash.add("a");
     hash.add("bc");

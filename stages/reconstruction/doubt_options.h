@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// When a model is doubted for what its images should see and do not, and what is tried then
+/// (missing_regions.h, reconsider_model.h). All ours; figures: docs/look-alikes.md, "Missing
+/// regions".
+struct DoubtOptions {
+    /// Models of more images are not looked at; 0: none is, as in the paper. Raised: every pair of
+    /// images is compared, so the cost grows with the square.
+    std::uint32_t max_images = 150;
+    /// Regions along each side of a photograph. Raised: fewer points in each, which chance can
+    /// miss; lowered: what differs beside a look-alike is mixed with what agrees.
+    std::uint32_t grid = 8;
+    /// A point is expected where both images see it from directions that differ by less [deg], at
+    /// sizes that differ by less: features are found again there.
+    double max_angle_deg = 20.0;
+    double max_scale = 1.5;
+    /// Points expected of a pair, both ways together, before it is compared.
+    std::uint32_t min_points = 40;
+    /// A region is missing when so many matches are expected in it, by the rate of the pair's other
+    /// regions, and there is none. Lowered: chance; raised: sparse images say nothing.
+    double min_expected = 3.0;
+    /// That rate where a pair shares next to nothing.
+    double unknown_rate = 0.25;
+    /// The other image has to see so many points of its own there, no nearer than this part of the
+    /// depth: else something stands in between.
+    std::uint32_t min_own = 3;
+    double min_depth = 0.6;
+    /// Points of images fewer than so many are left out: chance matches.
+    std::uint32_t min_track = 3;
+    /// A pair contradicts the model when so many of its regions are missing, and this part of them.
+    /// Lowered: reflections and blurred photographs are doubted; raised: folds that share most of
+    /// what they show are not.
+    std::uint32_t min_missing = 3;
+    double min_missing_part = 0.2;
+    /// Cuts of a doubted model that are tried at most, and how often the best one is cut again.
+    std::uint32_t max_cuts = 5;
+    std::uint32_t max_rounds = 3;
+};
+
+/// @errors kInvalidArgument
+Result<void> validate(const DoubtOptions& options);
+
+}  // namespace psfm

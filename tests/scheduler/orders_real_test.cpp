@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The promise: a set of photographs ends as the same model in every order, look-alikes or not.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <random>
+
+#include "scheduler/run_session.h"
+#include "stages/evaluation/evaluate_model.h"
+#include "stages/features/photo_listing.h"
+#include "storage/exchange/read_colmap.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Nobody final : public SessionObserver {
+    void on_publish(const PublishMessage&) override {}
+};
+
+/// Extraction and matching do not depend on the order; what takes place after them is run as often
+/// as there are orders, with two threads and every image by itself.
+class Orders : public testing::TestWithParam<unsigned> {
+  protected:
+    void SetUp() override {
+        const char* datasets = std::getenv("PSFM_DATASETS");
+        if (datasets == nullptr) GTEST_SKIP() << "PSFM_DATASETS is not set";
+        folder_ = fs::path(datasets) / "duplicates" / "street";
+        if (!fs::exists(folder_)) GTEST_SKIP() << folder_ << " is not there";
+        session_ = fs::temp_directory_path() / ("psfm_orders_" + std::to_string(getpid()));
+        fs::remove_all(session_);
+    }
+    void TearDown() override { fs::remove_all(session_); }
+
+    std::vector<NamedPose> truth() const {
+        std::vector<NamedPose> poses;
+        const auto model = read_colmap_model(
+            folder_ / "reference", {.cameras = false, .keypoints = false, .points = false});
+        EXPECT_TRUE(model.ok());
+        for (const ExportedImage& image : model->images)
+            poses.push_back({image.name, image.cam_from_world});
+        return poses;
+    }
+
+    fs::path folder_;
+    fs::path session_;
+};
+
+TEST_P(Orders, TwoAlikeHousesAreTwo) {
+    const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, 3);
+    auto store = SessionStore::open(session_, {});
+    ASSERT_TRUE(store.ok());
+    auto listing = list_photos(folder_ / "images");
+    ASSERT_TRUE(listing.ok());
+    std::mt19937 random(GetParam());
+    std::ranges::shuffle(listing->photos, random);
+    PhotoList photos(listing->photos);
+    Nobody nobody;
+    const std::atomic<bool> stop{false};
+    SessionConfig config;
+    config.deterministic = true;
+    const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
+    ASSERT_TRUE(run.ok()) << run.error().message;
+    const auto images = (*store)->images();
+    const auto scene = (*store)->scene();
+    ASSERT_TRUE(scene.ok());
+    std::map<std::uint32_t, std::vector<NamedPose>> parts;
+    for (const auto& cluster : scene->clusters) {
+        if (!cluster->model) continue;
+        for (const RegisteredImage& image : cluster->model->images) {
+            parts[cluster->effective_cluster].push_back(
+                {(*images)[index_of(image.image)].name,
+                 transform_pose(image.cam_from_cluster, cluster->world_from_cluster)});
+        }
+    }
+    std::size_t placed = 0;
+    for (const auto& [part, poses] : parts) {
+        const auto evaluation = evaluate_model(truth(), poses);
+        ASSERT_TRUE(evaluation.ok());
+        EXPECT_EQ(evaluation->outliers, 0U) << "part of " << poses.size() << " images";
+        placed += poses.size();
+    }
+    EXPECT_EQ(placed, listing->photos.size());
+    EXPECT_EQ(parts.size(), 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Street, Orders, testing::Values(1U, 2U, 3U));
+
+}  // namespace
+}  // namespace psfm
