@@ -57,8 +57,9 @@ Result<StoredEdit> Committer::separate(const ClusterProblem& problem,
 }
 
 Result<bool> Committer::forget_places() {
-    if (state_.edges.apart_count == 0) return false;
+    // What is said of places from here on, all images say.
     if (std::exchange(places_forgotten_at_, state_.verified) == state_.verified) return false;
+    if (state_.edges.apart_count == 0) return false;
     const bool is_settled = std::ranges::all_of(state_.clusters.entries(), [](const auto& entry) {
         return !entry.second.model || entry.second.settled;
     });

@@ -40,9 +40,19 @@ struct DoubtOptions {
     /// what they show are not.
     std::uint32_t min_missing = 3;
     double min_missing_part = 0.2;
+    /// An edge with so many of the matches of its images' best edges is not to be denied by a model
+    /// without a doubt. Lowered: look-alikes of common scenes are looked into; raised: an image in
+    /// a wrong place is overlooked.
+    double min_denied = 0.5;
+    /// Two parts of a model of which so many pairs contradict each other, and this part of all
+    /// regions is missing across, are kept apart where no other model is found. Lowered: models
+    /// with reflections come apart; raised: folds stay. Of right models 0.1 is missing across any
+    /// such cut at most (`ioniq5`), of a folded one (`cereal`) 0.46.
+    std::uint32_t min_split_pairs = 5;
+    double min_split_part = 0.3;
     /// Cuts of a doubted model that are tried at most, and how often the best one is cut again.
     std::uint32_t max_cuts = 5;
-    std::uint32_t max_rounds = 3;
+    std::uint32_t max_rounds = 5;
 };
 
 /// @errors kInvalidArgument

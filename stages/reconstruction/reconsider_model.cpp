@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -17,21 +17,24 @@
 namespace psfm {
 namespace {
 
-/// Part of a pair's matches that a model has to have in common points, to explain the pair. Ours:
-/// right pairs keep half and more, pairs of look-alikes next to nothing.
+/// Part of a pair's matches that a model has in common points, from which it explains the pair, and
+/// below which it denies it. Ours: right pairs keep half and more, ones with hardly any depth a
+/// tenth at least, and pairs of look-alikes next to nothing.
 constexpr double kExplained = 0.3;
+constexpr double kDenied = 0.1;
 
 /// A pair between two images of a model.
 struct ModelEdge {
     std::uint32_t first = 0;  ///< positions in the model
     std::uint32_t second = 0;
     VerifiedPairPtr pair;
-    bool is_explained = false;
-    double weight = 0.0;  ///< its matches, less where regions are missing between its images
-};
+    double explained = 0.0;  ///< part of its matches that the model has in common points
+    double relative = 0.0;   ///< its matches over those of the best pair of either image
+    double weight = 0.0;     ///< its matches, less where regions are missing between its images
 
-/// By position in the model, the point of each feature.
-using PointOfFeature = std::vector<std::map<std::uint32_t, const ScenePoint*>>;
+    bool is_explained() const { return explained >= kExplained; }
+    bool is_denied() const { return explained < kDenied; }
+};
 
 std::optional<std::uint32_t> position_of(const Reconstruction& model, ImageId image) {
     const RegisteredImage* found = model.find(image);
@@ -39,8 +42,12 @@ std::optional<std::uint32_t> position_of(const Reconstruction& model, ImageId im
     return static_cast<std::uint32_t>(found - model.images.data());
 }
 
-PointOfFeature points_by_feature(const Reconstruction& model) {
-    PointOfFeature points(model.images.size());
+/// The points of one image's features.
+using PointOfFeature = std::map<std::uint32_t, const ScenePoint*>;
+
+/// By position in the model.
+std::vector<PointOfFeature> points_by_feature(const Reconstruction& model) {
+    std::vector<PointOfFeature> points(model.images.size());
     for (const ScenePoint& point : model.points) {
         for (const Observation& observation : point.track)
             points[*position_of(model, observation.image)][observation.feature] = &point;
@@ -48,23 +55,15 @@ PointOfFeature points_by_feature(const Reconstruction& model) {
     return points;
 }
 
-bool is_explained(const VerifiedPair& pair, const std::map<std::uint32_t, const ScenePoint*>& first,
-                  const std::map<std::uint32_t, const ScenePoint*>& second) {
+double explained_part(const TwoViewGeometry& geometry, const PointOfFeature& first,
+                      const PointOfFeature& second) {
     std::size_t common = 0;
-    for (const FeatureMatch& match : pair.geometry.inliers) {
+    for (const FeatureMatch& match : geometry.inliers) {
         const auto one = first.find(match.first);
         const auto two = second.find(match.second);
         if (one != first.end() && two != second.end() && one->second == two->second) ++common;
     }
-    return static_cast<double>(common) >=
-           kExplained * static_cast<double>(pair.geometry.inliers.size());
-}
-
-std::vector<VerifiedPairPtr> all_pairs_of(const ClusterProblem& problem) {
-    std::vector<VerifiedPairPtr> pairs = pairs_of(problem);
-    const std::vector<VerifiedPairPtr> weak = weak_pairs_of(problem);
-    pairs.insert(pairs.end(), weak.begin(), weak.end());
-    return pairs;
+    return static_cast<double>(common) / static_cast<double>(geometry.inliers.size());
 }
 
 std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProblem& problem,
@@ -75,25 +74,95 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> missing_part;
     for (const ComparedPair& pair : compared)
         missing_part[{pair.first, pair.second}] = static_cast<double>(pair.missing) / pair.regions;
-    const PointOfFeature points = points_by_feature(model);
+    const std::vector<PointOfFeature> points = points_by_feature(model);
+    std::vector<double> best(model.images.size(), 0.0);  // matches of each image's best pair
     std::vector<ModelEdge> edges;
-    for (const VerifiedPairPtr& pair : all_pairs_of(problem)) {
-        const auto first = position_of(model, pair->pair.first);
-        const auto second = position_of(model, pair->pair.second);
-        if (!first || !second) continue;
-        const auto found = missing_part.find({*first, *second});
-        const double penalty = found == missing_part.end() ? 0.0 : kPenalty * found->second;
-        edges.push_back({*first, *second, pair,
-                         is_explained(*pair, points[*first], points[*second]),
-                         static_cast<double>(pair->geometry.inliers.size()) * std::exp(-penalty)});
+    for (const auto& pairs : {pairs_of(problem), weak_pairs_of(problem)}) {
+        for (const VerifiedPairPtr& pair : pairs) {
+            const auto first = position_of(model, pair->pair.first);
+            const auto second = position_of(model, pair->pair.second);
+            if (!first || !second || pair->geometry.inliers.empty()) continue;
+            const auto matches = static_cast<double>(pair->geometry.inliers.size());
+            best[*first] = std::max(best[*first], matches);
+            best[*second] = std::max(best[*second], matches);
+            const auto found = missing_part.find({*first, *second});
+            const double penalty = found == missing_part.end() ? 0.0 : kPenalty * found->second;
+            edges.push_back({*first, *second, pair,
+                             explained_part(pair->geometry, points[*first], points[*second]),
+                             matches, matches * std::exp(-penalty)});
+        }
     }
+    for (ModelEdge& edge : edges) edge.relative /= std::min(best[edge.first], best[edge.second]);
     return edges;
+}
+
+/// Observations of points within one place, where a model shows several.
+std::uint32_t observations_by_place(const SolveAttempt& attempt) {
+    std::map<ImageId, std::size_t> place_of;
+    if (attempt.places) {
+        for (std::size_t place = 0; place < attempt.places->size(); ++place) {
+            for (const ImageId image : (*attempt.places)[place]) place_of[image] = place + 1;
+        }
+    }
+    std::uint32_t observations = 0;
+    std::map<std::size_t, std::uint32_t> seen;  // by place
+    for (const ScenePoint& point : attempt.model.points) {
+        seen.clear();
+        for (const Observation& observation : point.track) {
+            const auto found = place_of.find(observation.image);
+            ++seen[found == place_of.end() ? 0 : found->second];
+        }
+        for (const auto& [place, count] : seen) observations += count > 1 ? count : 0;
+    }
+    return observations;
+}
+
+/// A model with what is known of it.
+struct Judged {
+    SolveAttempt attempt;
+    ModelScore score;
+    std::vector<ComparedPair> compared;
+    std::vector<ModelEdge> edges;
+};
+
+Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOptions& options) {
+    Judged judged;
+    judged.compared = compare_by_region(attempt.model, options.doubt);
+    judged.edges = edges_of(attempt.model, problem, judged.compared);
+    ModelScore& score = judged.score;
+    score.images = static_cast<std::uint32_t>(attempt.model.images.size());
+    score.observations = observations_by_place(attempt);
+    for (const ComparedPair& pair : judged.compared) {
+        score.regions += pair.regions;
+        score.missing += pair.missing;
+        score.contradicting += contradicts(pair, options.doubt) ? 1 : 0;
+    }
+    for (const ModelEdge& edge : judged.edges) {
+        if (edge.is_denied() && edge.relative >= options.doubt.min_denied) ++score.denied;
+    }
+    judged.attempt = std::move(attempt);
+    return judged;
+}
+
+bool is_doubted(const Judged& judged) {
+    const auto& places = judged.attempt.places;
+    return judged.score.contradicting > 0 || judged.score.denied > 0 ||
+           (places && !places->empty());
 }
 
 /// Where a model is taken apart.
 struct Cut {
     std::vector<std::uint8_t> side;  ///< by position in the model: 0 or 1
-    double promise = 0.0;            ///< how much of what contradicts the model lies across
+    std::uint32_t images = 0;        ///< on the smaller side
+    double denied = 0.0;             ///< relative weights of denied edges across, squared
+    // Of compared pairs across.
+    std::uint32_t regions = 0;
+    std::uint32_t missing = 0;
+    std::uint32_t contradicting = 0;
+
+    double missing_part() const { return static_cast<double>(missing) / std::max(1U, regions); }
+    /// How much of what speaks against the model lies across.
+    double promise() const { return denied + missing * missing_part(); }
 };
 
 /// The side of each image when one edge of a tree is taken out.
@@ -120,151 +189,151 @@ std::vector<std::uint8_t> sides(std::size_t images, const std::vector<const Mode
     return side;
 }
 
-/// Cuts through one edge each of the strongest tree that the model explains, the most promising
-/// first: much is missing across, and edges are there to join the parts in another way.
-std::vector<Cut> find_cuts(const Reconstruction& model, const std::vector<ModelEdge>& edges,
-                           const std::vector<ComparedPair>& compared, std::uint32_t count) {
+/// The strongest tree of what a model explains.
+std::vector<const ModelEdge*> tree_of(const Judged& judged) {
     std::vector<WeightedEdge> weighted;
     std::vector<const ModelEdge*> explained;
-    for (const ModelEdge& edge : edges) {
-        if (!edge.is_explained) continue;
+    for (const ModelEdge& edge : judged.edges) {
+        if (!edge.is_explained()) continue;
         weighted.push_back({edge.first, edge.second, edge.weight});
         explained.push_back(&edge);
     }
+    const auto images = static_cast<std::uint32_t>(judged.attempt.model.images.size());
     std::vector<const ModelEdge*> tree;
-    for (const std::uint32_t index :
-         maximum_spanning_forest(weighted, static_cast<std::uint32_t>(model.images.size())))
+    for (const std::uint32_t index : maximum_spanning_forest(weighted, images))
         tree.push_back(explained[index]);
+    return tree;
+}
+
+/// Cuts through one edge each of that tree.
+std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
+    const std::size_t images = judged.attempt.model.images.size();
+    const std::vector<const ModelEdge*> tree = tree_of(judged);
     std::vector<Cut> cuts;
+    cuts.reserve(tree.size());
     for (const ModelEdge* edge : tree) {
-        Cut cut{sides(model.images.size(), tree, edge), 0.0};
+        Cut& cut = cuts.emplace_back();
+        cut.side = sides(images, tree, edge);
+        const auto on_one = static_cast<std::size_t>(std::ranges::count(cut.side, 1));
+        cut.images = static_cast<std::uint32_t>(std::min(on_one, images - on_one));
         const auto is_across = [&](const auto& pair) {
             return cut.side[pair.first] != cut.side[pair.second];
         };
-        double regions = 0.0;
-        double missing = 0.0;
-        for (const ComparedPair& pair : compared) {
-            if (!is_across(pair)) continue;
-            regions += pair.regions;
-            missing += pair.missing;
+        for (const ModelEdge& other : judged.edges) {
+            if (other.is_denied() && is_across(other))
+                cut.denied += other.relative * other.relative;
         }
-        const bool can_join = std::ranges::any_of(
-            edges, [&](const ModelEdge& other) { return !other.is_explained && is_across(other); });
-        if (missing == 0.0 || !can_join) continue;
-        cut.promise = missing * missing / regions;
-        cuts.push_back(std::move(cut));
+        for (const ComparedPair& pair : judged.compared) {
+            if (!is_across(pair)) continue;
+            cut.regions += pair.regions;
+            cut.missing += pair.missing;
+            cut.contradicting += contradicts(pair, options) ? 1 : 0;
+        }
     }
-    std::ranges::stable_sort(cuts, std::ranges::greater(), &Cut::promise);
-    if (cuts.size() > count) cuts.resize(count);
     return cuts;
 }
 
-/// The cluster with its model in two parts, and without the edges that held them together.
-ClusterProblem taken_apart(const ClusterProblem& problem, const SolveAttempt& attempt,
-                           const std::vector<ModelEdge>& edges, const Cut& cut) {
-    constexpr std::size_t kSmallestPart = 3;  // fewer images are placed one by one
-    const Reconstruction& model = attempt.model;
-    ClusterProblem apart = problem;
-    for (const ModelEdge& edge : edges) {
-        if (edge.is_explained && cut.side[edge.first] != cut.side[edge.second])
-            apart.view_graph.remove_edge(edge.pair->pair.first, edge.pair->pair.second);
-    }
+/// The most promising ones: much is missing across, and edges that the model denies are there to
+/// join the parts in another way.
+std::vector<Cut> cuts_to_try(const Judged& judged, const DoubtOptions& options) {
+    std::vector<Cut> cuts = cuts_of(judged, options);
+    std::erase_if(cuts, [](const Cut& cut) { return cut.denied == 0.0; });
+    std::ranges::stable_sort(cuts, std::ranges::greater(), &Cut::promise);
+    if (cuts.size() > options.max_cuts) cuts.resize(options.max_cuts);
+    return cuts;
+}
+
+std::vector<std::vector<ImageId>> parts_of(const Reconstruction& model, const Cut& cut) {
     std::vector<std::vector<ImageId>> parts(2);
     for (std::size_t i = 0; i < model.images.size(); ++i)
         parts[cut.side[i]].push_back(model.images[i].image);
     std::ranges::stable_sort(parts, std::ranges::greater(),
                              [](const std::vector<ImageId>& part) { return part.size(); });
-    apart.recycled.clear();
-    for (const std::vector<ImageId>& part : parts) {
-        if (part.size() >= kSmallestPart)
-            apart.recycled.push_back(
-                std::make_shared<const Reconstruction>(restricted_to(model, part)));
+    return parts;
+}
+
+/// The parts of a model that contradict each other and that nothing joins better: it is not known
+/// how they belong together. Nothing: there are none.
+std::vector<std::vector<ImageId>> split(const Judged& judged, const SolveOptions& options) {
+    const DoubtOptions& doubt = options.doubt;
+    const Cut* best = nullptr;
+    const std::vector<Cut> cuts = cuts_of(judged, doubt);
+    for (const Cut& cut : cuts) {
+        if (cut.images < options.mu_min || cut.contradicting < doubt.min_split_pairs) continue;
+        if (cut.missing_part() < doubt.min_split_part) continue;
+        if (best == nullptr || cut.missing_part() > best->missing_part()) best = &cut;
     }
-    apart.recycled_state = attempt.state;
+    if (best == nullptr) return {};
+    return parts_of(judged.attempt.model, *best);
+}
+
+/// The cluster with its model in two parts, and without the edges that held them together.
+ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, const Cut& cut) {
+    constexpr std::size_t kSmallestPart = 3;  // fewer images are placed one by one
+    const Reconstruction& model = judged.attempt.model;
+    ClusterProblem apart = problem;
+    apart.settle = false;
+    for (const ModelEdge& edge : judged.edges) {
+        if (edge.is_explained() && cut.side[edge.first] != cut.side[edge.second])
+            apart.view_graph.remove_edge(edge.pair->pair.first, edge.pair->pair.second);
+    }
+    apart.recycled.clear();
+    for (const std::vector<ImageId>& part : parts_of(model, cut)) {
+        if (part.size() < kSmallestPart) continue;
+        apart.recycled.push_back(
+            std::make_shared<const Reconstruction>(restricted_to(model, part)));
+    }
+    apart.recycled_state = judged.attempt.state;
     return apart;
 }
 
-/// The best of some models.
-class Best {
-  public:
-    Best(SolveAttempt attempt, const SolveOptions& options)
-        : options_(options), attempt_(std::move(attempt)), score_(score_of(attempt_, options)) {}
-
-    const SolveAttempt& attempt() const { return attempt_; }
-    const ModelScore& score() const { return score_; }
-    SolveAttempt take() { return std::move(attempt_); }
-
-    /// Takes the place of the best one if it is better. A model that could not be made is not.
-    /// @return whether it is @errors kCancelled
-    Result<bool> offer(Result<SolveAttempt> other) {
-        if (!other.ok()) {
-            if (other.error().code == ErrorCode::kCancelled) return other.error();
-            return false;
-        }
-        const ModelScore score = score_of(*other, options_);
-        if (!is_better(score, score_)) return false;
-        attempt_ = *std::move(other);
-        score_ = score;
-        return true;
-    }
-
-  private:
-    const SolveOptions& options_;
-    SolveAttempt attempt_;
-    ModelScore score_;
+/// A step of the search.
+struct Step {
+    Judged best;                  ///< so far
+    std::optional<Judged> ahead;  ///< the one tried in this round that misses least
 };
 
-bool is_doubted(const SolveAttempt& attempt, const ModelScore& score) {
-    return score.contradicting > 0 || (attempt.places && !attempt.places->empty());
+/// Looks at another model. One that could not be made is none. @errors kCancelled
+Result<void> offer(Step& step, Result<SolveAttempt> other, const ClusterProblem& problem,
+                   const SolveOptions& options) {
+    if (!other.ok()) {
+        if (other.error().code == ErrorCode::kCancelled) return other.error();
+        return {};
+    }
+    Judged judged = judge(*std::move(other), problem, options);
+    fprintf(stderr,
+            "trial images %u obs %u missing %u/%u contra %u denied %u | best obs %u missing "
+            "%u/%u contra %u denied %u\n",
+            judged.score.images, judged.score.observations, judged.score.missing,
+            judged.score.regions, judged.score.contradicting, judged.score.denied,
+            step.best.score.observations, step.best.score.missing, step.best.score.regions,
+            step.best.score.contradicting, step.best.score.denied);
+    const bool is_complete = judged.score.images >= step.best.score.images;
+    if (is_better(judged.score, step.best.score)) step.best = judged;
+    if (is_complete &&
+        (!step.ahead || judged.score.missing_part() < step.ahead->score.missing_part()))
+        step.ahead = std::move(judged);
+    return {};
 }
 
 }  // namespace
 
-ModelScore score_of(const SolveAttempt& attempt, const SolveOptions& options) {
-    ModelScore score;
-    score.images = static_cast<std::uint32_t>(attempt.model.images.size());
-    std::map<ImageId, std::size_t> place_of;
-    if (attempt.places) {
-        for (std::size_t place = 0; place < attempt.places->size(); ++place) {
-            for (const ImageId image : (*attempt.places)[place]) place_of[image] = place + 1;
-        }
-    }
-    std::map<std::size_t, std::uint32_t> seen;  // by place
-    for (const ScenePoint& point : attempt.model.points) {
-        seen.clear();
-        for (const Observation& observation : point.track) {
-            const auto found = place_of.find(observation.image);
-            ++seen[found == place_of.end() ? 0 : found->second];
-        }
-        for (const auto& [place, count] : seen) score.observations += count > 1 ? count : 0;
-    }
-    for (const ComparedPair& pair : compare_by_region(attempt.model, options.doubt)) {
-        score.regions += pair.regions;
-        score.missing += pair.missing;
-        score.contradicting += contradicts(pair, options.doubt) ? 1 : 0;
-    }
-    return score;
-}
-
 bool is_better(const ModelScore& other, const ModelScore& best) {
     if (other.images < best.images) return false;
-    const auto part = [](const ModelScore& score) {
-        return static_cast<double>(score.missing) / std::max(1U, score.regions);
-    };
     // Ours: counts of a few regions differ by chance, and right models of look-alikes explain less
     // than folded ones, which see everything twice.
     constexpr double kClearly = 0.7;
-    constexpr std::uint32_t kByChance = 5;
+    constexpr std::uint32_t kByChance = 10;
     constexpr double kLessExplained = 0.85;
     constexpr double kMoreExplained = 1.005;
     const auto explains = [&](double factor) {
         return static_cast<double>(other.observations) >= factor * best.observations;
     };
-    const bool clearly_less = part(other) < kClearly * part(best) &&
+    const bool clearly_less = other.missing_part() < kClearly * best.missing_part() &&
                               other.missing + kByChance <= best.missing &&
                               other.contradicting <= best.contradicting;
-    const bool clearly_more =
-        part(best) < kClearly * part(other) && best.missing + kByChance <= other.missing;
+    const bool clearly_more = best.missing_part() < kClearly * other.missing_part() &&
+                              best.missing + kByChance <= other.missing;
     if (clearly_less) return explains(kLessExplained);
     return !clearly_more && explains(kMoreExplained);
 }
@@ -276,38 +345,51 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
     if (attempt.model.empty() || images > options.doubt.max_images || is_known) return attempt;
     const auto before = static_cast<std::uint32_t>(attempt.model.images.size());
     const SolveKind kind = attempt.statistics.kind;
-    Best best(std::move(attempt), options);
-    bool changed = false;
-    if (is_doubted(best.attempt(), best.score())) {
+    Step step{judge(std::move(attempt), problem, options), std::nullopt};
+    const ModelScore asked = step.best.score;
+    if (is_doubted(step.best)) {
         ClusterProblem fresh = problem;
         fresh.recycled.clear();
-        const auto taken = best.offer(solve(fresh));
-        if (!taken.ok()) return taken.error();
-        changed = *taken;
+        fresh.settle = false;
+        if (const auto done = offer(step, solve(fresh), problem, options); !done.ok())
+            return done.error();
     }
-    for (std::uint32_t round = 0;
-         round < options.doubt.max_rounds && is_doubted(best.attempt(), best.score()); ++round) {
-        const SolveAttempt base = best.attempt();
-        const std::vector<ComparedPair> compared = compare_by_region(base.model, options.doubt);
-        const std::vector<ModelEdge> edges = edges_of(base.model, problem, compared);
-        bool better = false;
-        for (const Cut& cut : find_cuts(base.model, edges, compared, options.doubt.max_cuts)) {
-            const auto taken = best.offer(solve(taken_apart(problem, base, edges, cut)));
-            if (!taken.ok()) return taken.error();
-            better |= *taken;
+    Judged from = step.best;
+    std::set<std::vector<std::vector<ImageId>>> tried;
+    for (std::uint32_t round = 0; round < options.doubt.max_rounds && is_doubted(from); ++round) {
+        const ModelScore before_round = step.best.score;
+        step.ahead.reset();
+        for (const Cut& cut : cuts_to_try(from, options.doubt)) {
+            if (!tried.insert(parts_of(from.attempt.model, cut)).second) continue;
+            const auto done = offer(step, solve(taken_apart(problem, from, cut)), problem, options);
+            if (!done.ok()) return done.error();
         }
-        if (!better) break;
-        changed = true;
+        // The way to a better model may lead over one that is only a little better.
+        if (step.best.score != before_round)
+            from = step.best;
+        else if (step.ahead && step.ahead->score.missing_part() < from.score.missing_part())
+            from = *std::move(step.ahead);
+        else
+            break;
     }
-    const ModelScore score = best.score();
-    SolveAttempt result = best.take();
+    if (problem.settle && step.best.score != asked) {
+        ClusterProblem settling = problem;
+        settling.recycled = {std::make_shared<const Reconstruction>(step.best.attempt.model)};
+        settling.recycled_state = step.best.attempt.state;
+        auto settled = solve(settling);
+        if (!settled.ok()) return settled.error();
+        step.best = judge(*std::move(settled), problem, options);
+    }
+    std::vector<std::vector<ImageId>> places = split(step.best, options);
+    SolveAttempt result = std::move(step.best.attempt);
+    if (!places.empty()) result.places = std::move(places);
     result.state.images_when_reconsidered = images;
     result.statistics.kind = kind;
-    if (changed) {
+    if (step.best.score != asked) {
         result.succession.reset();
         result.statistics.reset = Reset{Reset::Reason::kMissing, {}, before};
     }
-    if (score.contradicting > 0) result.state.weaknesses.add(Weakness::kLookAlikes);
+    if (step.best.score.contradicting > 0) result.state.weaknesses.add(Weakness::kLookAlikes);
     return result;
 }
 

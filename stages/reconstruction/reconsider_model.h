@@ -14,21 +14,26 @@ struct ModelScore {
     std::uint32_t regions = 0;       ///< compared (compare_by_region)
     std::uint32_t missing = 0;
     std::uint32_t contradicting = 0;  ///< pairs
-};
+    std::uint32_t denied = 0;         ///< strong edges of which the model explains next to nothing
 
-ModelScore score_of(const SolveAttempt& attempt, const SolveOptions& options);
+    double missing_part() const {
+        return static_cast<double>(missing) / (regions > 0 ? regions : 1);
+    }
+    bool operator==(const ModelScore&) const = default;
+};
 
 /// Whether one model is to take the place of another: it places as many images, and clearly less is
 /// missing from it; or no more is missing, and it explains more.
 bool is_better(const ModelScore& other, const ModelScore& best);
 
 /// Looks for a better model of a cluster whose model is doubted: where pairs of its images
-/// contradict it (missing_regions.h), or it shows several places. A new start is tried, and cuts:
-/// the model is taken apart where most of what contradicts it lies between the parts, the edges
-/// that held them together are left out, and it is joined again by the edges that it left
-/// unexplained; the best is cut again. A local search over what can be believed, as that of Jiang,
-/// Tan & Cheong (CVPR 2012) over spanning trees. What the early images decided is so decided again
-/// by all of them, and an ambiguous scene ends the same in every order.
+/// contradict it (missing_regions.h), it denies one of their strongest edges, or it shows several
+/// places. A new start is tried, and cuts: the model is taken apart where most of what contradicts
+/// it lies between the parts, the edges that held them together are left out, and it is joined
+/// again by the edges that it left unexplained; the best is cut again. A local search over what can
+/// be believed, as that of Jiang, Tan & Cheong (CVPR 2012) over spanning trees. What the early
+/// images decided is so decided again by all of them, and an ambiguous scene ends the same in every
+/// order.
 /// @param attempt  of `problem`, by `solve`
 /// @param solve  of problems like this one, with other models to start from and fewer edges
 /// @return the best one; its state notes for how many images it was looked for

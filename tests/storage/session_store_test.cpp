@@ -161,9 +161,10 @@ TEST(SessionStore, ImagesThatAreTakenOutLeaveNothingThatIsUsed) {
         removal.rejected.push_back({testing::expected_image(2).name, "was taken out", 7});
         StoredCluster others = store->clusters()->front();
         const ClusterId former = others.id;
-        others = {*store->next_cluster_id(),
-                  {ImageId{0}, ImageId{1}, ImageId{3}, ImageId{4}, ImageId{5}},
-                  1};
+        others = StoredCluster{};
+        others.id = *store->next_cluster_id();
+        others.members = {ImageId{0}, ImageId{1}, ImageId{3}, ImageId{4}, ImageId{5}};
+        others.topology = 1;
         StoredCluster alone = others;
         alone.id = ClusterId{index_of(others.id) + 1};
         alone.members = {removed};

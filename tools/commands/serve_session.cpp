@@ -77,7 +77,7 @@ std::string host_of(const Address& address) {
 std::set<std::string> hosts_of(const Address& address, std::uint16_t port,
                                const std::vector<std::string>& more) {
     std::set<std::string> hosts(more.begin(), more.end());
-    const std::string suffix = ":" + std::to_string(port);
+    const auto suffix = std::string(":").append(std::to_string(port));  // GCC bug 105329
     for (const char* name : {"localhost", "127.0.0.1", "[::1]"}) hosts.insert(name + suffix);
     hosts.insert(host_of(address).append(suffix));
     return hosts;

@@ -73,7 +73,7 @@ TEST_F(UndistortPhotoTest, AllEightOrientationsComeUprightAndSayNothingOfIt) {
         if (const int rotation = rotations.at(static_cast<std::size_t>(orientation)); rotation >= 0)
             cv::rotate(upright, stored, rotation);
         const Bytes bytes = oriented(encode(stored, ".jpg"), orientation);
-        const auto photo = folder_.write("a" + std::to_string(orientation) + ".jpg", bytes);
+        const auto photo = folder_.write(std::to_string(orientation) + ".jpg", bytes);
         const auto turns = upright_quarter_turns(static_cast<std::uint8_t>(orientation));
         const auto files =
             undistort_photo(photo, hash(bytes), static_cast<std::uint8_t>(orientation),
