@@ -301,13 +301,6 @@ Result<void> offer(Step& step, Result<SolveAttempt> other, const ClusterProblem&
         return {};
     }
     Judged judged = judge(*std::move(other), problem, options);
-    fprintf(stderr,
-            "trial images %u obs %u missing %u/%u contra %u denied %u | best obs %u missing "
-            "%u/%u contra %u denied %u\n",
-            judged.score.images, judged.score.observations, judged.score.missing,
-            judged.score.regions, judged.score.contradicting, judged.score.denied,
-            step.best.score.observations, step.best.score.missing, step.best.score.regions,
-            step.best.score.contradicting, step.best.score.denied);
     const bool is_complete = judged.score.images >= step.best.score.images;
     if (is_better(judged.score, step.best.score)) step.best = judged;
     if (is_complete &&
