@@ -83,7 +83,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         case RecordKind::kImage:
             there_and_back(
                 payload, [](std::string_view bytes) { return decode_image(kImage, bytes); },
-                encode_image);
+                [](const Image& image) { return encode_image(image); });
+            (void)decode_image_source(payload);
             break;
         case RecordKind::kKeypoints:
             there_and_back(payload, decode_keypoints, encode_keypoints);

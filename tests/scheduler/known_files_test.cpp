@@ -38,7 +38,9 @@ class KnownFilesTest : public ::testing::Test {
 
     /// The session takes in all of a folder, as `run` does.
     void take_in(const fs::path& folder) {
-        for (const PhotoFile& photo : list_photos(folder)->photos) accept(photo);
+        const auto listing = list_photos(folder);
+        ASSERT_TRUE(listing.ok());
+        for (const PhotoFile& photo : listing->photos) accept(photo);
     }
     void accept(const PhotoFile& photo) {
         Image image;

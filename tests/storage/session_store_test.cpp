@@ -113,7 +113,12 @@ TEST(SessionStore, RemembersRejectedPhotographsUntilTheyAreAccepted) {
 
 TEST(SessionStore, KnowsWhereImagesCameFromAndFollowsTheirFiles) {
     const TemporaryFolder folder;
-    const ImageSource source{{"/photos", 1234, 5678}, {1, 2, 3}, 99, false};
+    ImageSource source;
+    source.file.folder = "/photos";
+    source.file.size = 1234;
+    source.file.modified_ns = 5678;
+    source.signature = {1, 2, 3};
+    source.mask_hash = 99;
     {
         const auto store = open(folder);
         ASSERT_TRUE(store

@@ -107,7 +107,8 @@ void expect_3dgs_opens(const fs::path& dataset) {
 void expect_gsplat_opens(const fs::path& dataset, int factor) {
     const ExportedModel model = model_in(dataset / "sparse" / "0");
     expect_pinhole(model);
-    const std::string suffix = factor > 1 ? "_" + std::to_string(factor) : "";
+    std::string suffix;
+    if (factor > 1) suffix.append("_").append(std::to_string(factor));
     ASSERT_TRUE(fs::is_directory(dataset / ("images" + suffix)));
     // Names are paired by their places in sorted lists, so that the lists have to be alike.
     const auto full = sorted_files(dataset / "images");
@@ -186,7 +187,7 @@ void expect_lichtfeld_opens(const fs::path& dataset) {
     expect_pinhole(model_in(dataset / "sparse" / "0"));
     const Json transforms = transforms_of(dataset);
     for (const char* name : {"k1", "k2", "p1", "p2"}) {
-        if (transforms.contains(name)) EXPECT_EQ(transforms[name], 0.0);
+        EXPECT_EQ(transforms.value(name, 0.0), 0.0) << name;
     }
 }
 
