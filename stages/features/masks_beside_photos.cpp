@@ -80,8 +80,11 @@ class PhotoNames {
             if (masks_folder_of(photo.name)) continue;
             names_.insert(photo.name);
             stems_.insert(without_extension(photo.name));
-            bases_.insert(base_of(photo.name));
-            base_stems_.insert(without_extension(base_of(photo.name)));
+        }
+        for (const std::string& name : names_) {
+            if (has_beside(name)) continue;  // a mask itself
+            bases_.insert(base_of(name));
+            base_stems_.insert(without_extension(base_of(name)));
         }
     }
 

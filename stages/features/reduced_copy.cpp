@@ -21,8 +21,16 @@ std::pair<double, double> upright_size(const Glance& photo) {
 
 using Fields = std::array<double, kFields>;
 
-/// What differs from its surroundings: a sky above a plain is alike in many photographs, what
-/// stands in it is not.
+/// Takes the mean of a row or column off it.
+void center(Fields& fields, std::size_t first, std::size_t step) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kSignatureSide; ++i) sum += fields[first + i * step];
+    for (std::size_t i = 0; i < kSignatureSide; ++i)
+        fields[first + i * step] -= sum / kSignatureSide;
+}
+
+/// What differs from its surroundings, and from its row and column: a sky above a plain is alike in
+/// many photographs, what stands in it is not.
 Fields details(std::span<const std::uint8_t> signature) {
     Fields result{};
     for (int y = 0; y < kSignatureSide; ++y) {
@@ -38,6 +46,10 @@ Fields details(std::span<const std::uint8_t> signature) {
             const auto at = static_cast<std::size_t>(y * kSignatureSide + x);
             result[at] = signature[at] - sum / count;
         }
+    }
+    for (int line = 0; line < kSignatureSide; ++line) {  // horizons, and edges of buildings
+        center(result, static_cast<std::size_t>(line) * kSignatureSide, 1);
+        center(result, static_cast<std::size_t>(line), kSignatureSide);
     }
     return result;
 }
@@ -87,7 +99,7 @@ bool is_reduced_copy(const Glance& small, const Glance& large) {
     constexpr double kLeastCorrelation = 0.985;
     constexpr double kLeastInDetails = 0.9;
     constexpr double kLeastContrast = 8.0;  // [grey values], standard deviation
-    constexpr double kLeastDetails = 2.0;
+    constexpr double kLeastDetails = 1.0;
     if (!may_be_copy(small, large)) return false;
     if (small.signature.size() != kFields || large.signature.size() != kFields) return false;
     return correlation(values(small.signature), values(large.signature), kLeastContrast) >=

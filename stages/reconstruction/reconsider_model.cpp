@@ -13,6 +13,7 @@
 
 #include "stages/reconstruction/maximum_spanning_tree.h"
 #include "stages/reconstruction/missing_regions.h"
+#include "stages/reconstruction/separate_places.h"
 
 namespace psfm {
 namespace {
@@ -127,6 +128,11 @@ struct Judged {
 
 Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOptions& options) {
     Judged judged;
+    if (!attempt.places) {
+        attempt.places = separate_places(attempt.model, pairs_of(problem), options.places);
+        attempt.state.images_at_places = static_cast<std::uint32_t>(attempt.model.images.size());
+        attempt.state.has_strangers = false;
+    }
     judged.compared = compare_by_region(attempt.model, options.doubt);
     judged.edges = edges_of(attempt.model, problem, judged.compared);
     ModelScore& score = judged.score;
@@ -145,9 +151,8 @@ Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOpt
 }
 
 bool is_doubted(const Judged& judged) {
-    const auto& places = judged.attempt.places;
     return judged.score.contradicting > 0 || judged.score.denied > 0 ||
-           (places && !places->empty());
+           !judged.attempt.places->empty();
 }
 
 /// Where a model is taken apart.
@@ -375,7 +380,7 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
     }
     std::vector<std::vector<ImageId>> places = split(step.best, options);
     SolveAttempt result = std::move(step.best.attempt);
-    if (!places.empty()) result.places = std::move(places);
+    if (result.places->empty()) result.places = std::move(places);
     result.state.images_when_reconsidered = images;
     result.statistics.kind = kind;
     if (step.best.score != asked) {

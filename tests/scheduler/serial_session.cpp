@@ -108,6 +108,12 @@ void SerialSession::release_solves(bool last_first) {
     EXPECT_TRUE(run(std::move(messages), kAll));
 }
 
+void SerialSession::release_held() {
+    std::vector<CommitInput> messages;
+    for (const SolveMessage& solve : std::exchange(held_, {})) messages.push_back(solved(solve));
+    EXPECT_TRUE(run(std::move(messages), kAll));
+}
+
 void SerialSession::release_showing_two_places(ClusterId cluster) {
     std::vector<CommitInput> messages;
     for (const SolveMessage& solve : std::exchange(held_, {})) {

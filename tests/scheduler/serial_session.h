@@ -43,6 +43,8 @@ class SerialSession {
     void hold_solves() { holds_solves_ = true; }
     /// @param last_first  in the opposite order
     void release_solves(bool last_first = false);
+    /// Those that are held end; what follows is held again.
+    void release_held();
     /// The solve of this cluster says that its model shows two places, half of its images each, the
     /// others what they say; solves that follow are held.
     void release_showing_two_places(ClusterId cluster);

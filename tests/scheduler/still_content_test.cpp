@@ -98,7 +98,14 @@ TEST_F(StillContent, BurstsFromATripodAreAllPlaced) {
         shots.push_back({"again_" + shot.name, shot.cam_from_world});
     }
     take(world(PhotoScene::kWall), shots, [](cv::Mat&, std::size_t) {});
-    expect_placed(reconstruct(true), 16, 0.003);
+    Outcome outcome = reconstruct(true);
+    ASSERT_FALSE(outcome.parts.empty());
+    EXPECT_EQ(outcome.parts.front().size(), 16U);
+    // Nothing is measured against photographs that stand in one place.
+    const auto is_again = [](const NamedPose& photo) { return photo.name.starts_with("again_"); };
+    std::erase_if(outcome.parts.front(), is_again);
+    std::erase_if(truth_, is_again);
+    expect_placed(outcome, 8, 0.003);
 }
 
 TEST_F(StillContent, TheObjectOnATurntableIsReconstructed) {

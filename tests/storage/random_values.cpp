@@ -62,8 +62,6 @@ Image random_image(ImageId id, Rng& rng) {
     data.model = random_text(rng);
     data.focal_px = maybe(rng, 1, 9000);
     data.focal_mm = maybe(rng, 1, 300);
-    data.digital_zoom = 1.0 + 0.25 * static_cast<double>(below(rng, 8));
-    data.focal_is_vague = below(rng, 2) == 1;
     data.orientation = static_cast<std::uint8_t>(1 + below(rng, 8));
     if (below(rng, 2) == 0) {
         data.gps =
@@ -115,17 +113,11 @@ VerifiedPairPtr random_pair(ImageId first, ImageId second, std::uint32_t feature
     geometry.median_angle_deg = uniform(rng, 0, 40);
     geometry.match_density = uniform(rng, 0, 1);
     geometry.core_density = uniform(rng, 0, 1);
-    const auto random_matches = [&] {
-        std::vector<FeatureMatch> matches;
-        const std::uint32_t count = below(rng, features + 1);
-        std::vector<std::uint32_t> firsts = distinct(count, features, rng);
-        const std::vector<std::uint32_t> seconds = distinct(count, features, rng);
-        std::ranges::sort(firsts);
-        for (std::uint32_t i = 0; i < count; ++i) matches.push_back({firsts[i], seconds[i]});
-        return matches;
-    };
-    geometry.inliers = random_matches();
-    if (below(rng, 2) == 0) geometry.still = random_matches();
+    const std::uint32_t count = below(rng, features + 1);
+    std::vector<std::uint32_t> firsts = distinct(count, features, rng);
+    const std::vector<std::uint32_t> seconds = distinct(count, features, rng);
+    std::ranges::sort(firsts);
+    for (std::uint32_t i = 0; i < count; ++i) geometry.inliers.push_back({firsts[i], seconds[i]});
     return pair;
 }
 

@@ -86,7 +86,9 @@ std::vector<Sample> samples() {
 TEST(RecordCodec, ImagesCamerasAndSettingsComeBackAlike) {
     Rng rng(1);
     for (int i = 0; i < 200; ++i) {
-        const Image image = testing::random_image(ImageId{17}, rng);
+        Image image = testing::random_image(ImageId{17}, rng);
+        image.metadata.digital_zoom = 1.0 + 0.25 * (i % 8);
+        image.metadata.focal_is_vague = i % 2 == 1;
         const auto decoded = decode_image(ImageId{17}, *encode_image(image));
         ASSERT_TRUE(decoded.ok());
         EXPECT_TRUE(same(*decoded, image));
@@ -123,8 +125,10 @@ TEST(RecordCodec, PairsComeBackAlike) {
     for (std::uint32_t count = 0; count < 30; ++count) {
         std::vector<VerifiedPairPtr> pairs;
         for (std::uint32_t other = 0; other < count; ++other) {
-            pairs.push_back(testing::random_pair(static_cast<ImageId>(3 * other), ImageId{90},
-                                                 10 * count, rng));
+            VerifiedPair pair = *testing::random_pair(static_cast<ImageId>(3 * other), ImageId{90},
+                                                      10 * count, rng);
+            if (other % 2 == 1) pair.geometry.still = pair.geometry.inliers;
+            pairs.push_back(std::make_shared<const VerifiedPair>(std::move(pair)));
         }
         const auto decoded = decode_pairs(ImageId{90}, *encode_pairs(ImageId{90}, pairs));
         ASSERT_TRUE(decoded.ok());

@@ -193,7 +193,10 @@ TEST(ShownScene, ASnapshotIsWhatAllChangesTogetherAre) {
             ASSERT_EQ(other.points.size(), cluster.points.size());
             for (const auto& [slot, point] : cluster.points) {
                 ASSERT_TRUE(other.points.contains(slot));
-                EXPECT_LT((other.points.at(slot).position - point.position).norm(), 1e-3);
+                const auto here = stage.watcher.world(id, slot);
+                const auto there = newcomer.world(id, slot);
+                ASSERT_TRUE(here && there);
+                EXPECT_LT((*there - *here).norm(), 1e-3);
             }
         }
     }
