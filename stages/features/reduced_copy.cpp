@@ -21,6 +21,10 @@ std::pair<double, double> upright_size(const Glance& photo) {
 
 using Fields = std::array<double, kFields>;
 
+constexpr std::size_t field_at(int x, int y) {
+    return static_cast<std::size_t>(y) * kSignatureSide + static_cast<std::size_t>(x);
+}
+
 /// Takes the mean of a row or column off it.
 void center(Fields& fields, std::size_t first, std::size_t step) {
     double sum = 0.0;
@@ -39,17 +43,16 @@ Fields details(std::span<const std::uint8_t> signature) {
             int count = 0;
             for (int v = std::max(y - 1, 0); v <= std::min(y + 1, kSignatureSide - 1); ++v) {
                 for (int u = std::max(x - 1, 0); u <= std::min(x + 1, kSignatureSide - 1); ++u) {
-                    sum += signature[static_cast<std::size_t>(v * kSignatureSide + u)];
+                    sum += signature[field_at(u, v)];
                     ++count;
                 }
             }
-            const auto at = static_cast<std::size_t>(y * kSignatureSide + x);
-            result[at] = signature[at] - sum / count;
+            result[field_at(x, y)] = signature[field_at(x, y)] - sum / count;
         }
     }
     for (int line = 0; line < kSignatureSide; ++line) {  // horizons, and edges of buildings
-        center(result, static_cast<std::size_t>(line) * kSignatureSide, 1);
-        center(result, static_cast<std::size_t>(line), kSignatureSide);
+        center(result, field_at(0, line), 1);
+        center(result, field_at(line, 0), kSignatureSide);
     }
     return result;
 }

@@ -292,6 +292,16 @@ ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, 
     return apart;
 }
 
+/// The cluster without the edges that a model denies.
+ClusterProblem without_denied(const ClusterProblem& problem, const Reconstruction& model) {
+    ClusterProblem believed = problem;
+    for (const ModelEdge& edge : edges_of(model, problem, {})) {
+        if (edge.is_denied())
+            believed.view_graph.remove_edge(edge.pair->pair.first, edge.pair->pair.second);
+    }
+    return believed;
+}
+
 /// A step of the search.
 struct Step {
     Judged best;                  ///< so far
@@ -336,6 +346,13 @@ bool is_better(const ModelScore& other, const ModelScore& best) {
     return !clearly_more && explains(kMoreExplained);
 }
 
+std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem) {
+    const bool is_known = problem.concluding && problem.recycled.size() == 1 &&
+                          problem.recycled_state.images_when_reconsidered == problem.images.size();
+    if (!is_known) return std::nullopt;
+    return without_denied(problem, *problem.recycled.front());
+}
+
 Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttempt attempt,
                                       const SolveOptions& options, const AttemptSolve& solve) {
     const auto images = static_cast<std::uint32_t>(problem.images.size());
@@ -371,7 +388,7 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
             break;
     }
     if (problem.settle && step.best.score != asked) {
-        ClusterProblem settling = problem;
+        ClusterProblem settling = without_denied(problem, step.best.attempt.model);
         settling.recycled = {std::make_shared<const Reconstruction>(step.best.attempt.model)};
         settling.recycled_state = step.best.attempt.state;
         auto settled = solve(settling);

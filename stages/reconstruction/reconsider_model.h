@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "graph/result.h"
 #include "stages/reconstruction/solve_with_ties.h"
 
@@ -25,6 +28,10 @@ struct ModelScore {
 /// Whether one model is to take the place of another: it places as many images, and clearly less is
 /// missing from it; or no more is missing, and it explains more.
 bool is_better(const ModelScore& other, const ModelScore& best);
+
+/// A cluster whose model was chosen so, without the edges that it denies: what is solved on from it
+/// is not led back by these. Nothing: all of them count.
+std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem);
 
 /// Looks for a better model of a cluster whose model is doubted: where pairs of its images
 /// contradict it (missing_regions.h), it denies one of their strongest edges, or it shows several

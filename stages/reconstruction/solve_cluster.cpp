@@ -335,7 +335,8 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
                 return attempt_solve(tied, options, cancel);
             });
         };
-        auto attempted = solve_once(problem);
+        const auto reconsidered = as_reconsidered(problem);
+        auto attempted = solve_once(reconsidered ? *reconsidered : problem);
         if (attempted.ok() && problem.concluding)
             attempted = reconsider_model(problem, *std::move(attempted), options, solve_once);
         if (!attempted.ok()) return attempted.error();
