@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/assess_model.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 #include <numbers>
@@ -133,6 +135,22 @@ bool has_implausible_focal(const Reconstruction& model, const AssessmentOptions&
     });
 }
 
+const Camera& camera_of(const Reconstruction& model, ImageId image) {
+    return model.cameras.at(model.find(image)->camera);
+}
+
+/// Whether a pair that was taken for a turn is one with the intrinsics of the model: with a focal
+/// length that was guessed, a step over flat land looks like one. The homography of a turn is a
+/// rotation between the rays; that of a step stretches them by the step over the height.
+bool is_turn(const TwoViewGeometry& geometry, const Camera& camera1, const Camera& camera2) {
+    // Raised: flights over flat land give up their models; lowered: turns whose focal length came
+    // out wrong count for steps. Ours.
+    constexpr double kMostStretch = 0.1;
+    const Eigen::Matrix3d between = camera2.matrix().inverse() * geometry.matrix * camera1.matrix();
+    const Eigen::Vector3d stretches = Eigen::JacobiSVD<Eigen::Matrix3d>(between).singularValues();
+    return stretches[0] <= (1.0 + kMostStretch) * stretches[2];
+}
+
 }  // namespace
 
 Result<void> validate(const AssessmentOptions& options) {
@@ -163,7 +181,9 @@ bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPai
         const TwoViewGeometry& geometry = edge->geometry;
         const auto weight = static_cast<double>(geometry.inliers.size());
         all += weight;
-        if (geometry.kind != TwoViewKind::kPureRotation) continue;
+        if (geometry.kind != TwoViewKind::kPureRotation ||
+            !is_turn(geometry, camera_of(model, a), camera_of(model, b)))
+            continue;
         turns += weight;
         const double turn =
             angle_between(geometry.cam2_from_cam1.rotation, Eigen::Quaterniond::Identity());

@@ -32,9 +32,11 @@ struct ModelEdge {
     double explained = 0.0;  ///< part of its matches that the model has in common points
     double relative = 0.0;   ///< its matches over those of the best pair of either image
     double weight = 0.0;     ///< its matches, less where regions are missing between its images
+    bool is_weak = false;
 
     bool is_explained() const { return explained >= kExplained; }
-    bool is_denied() const { return explained < kDenied; }
+    /// A weak edge is none to deny.
+    bool is_denied() const { return !is_weak && explained < kDenied; }
 };
 
 std::optional<std::uint32_t> position_of(const Reconstruction& model, ImageId image) {
@@ -78,8 +80,10 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
     const std::vector<PointOfFeature> points = points_by_feature(model);
     std::vector<double> best(model.images.size(), 0.0);  // matches of each image's best pair
     std::vector<ModelEdge> edges;
-    for (const auto& pairs : {pairs_of(problem), weak_pairs_of(problem)}) {
-        for (const VerifiedPairPtr& pair : pairs) {
+    const std::vector<VerifiedPairPtr> strong = pairs_of(problem);
+    const std::vector<VerifiedPairPtr> weak = weak_pairs_of(problem);
+    for (const auto* pairs : {&strong, &weak}) {
+        for (const VerifiedPairPtr& pair : *pairs) {
             const auto first = position_of(model, pair->pair.first);
             const auto second = position_of(model, pair->pair.second);
             if (!first || !second || pair->geometry.inliers.empty()) continue;
@@ -90,7 +94,7 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
             const double penalty = found == missing_part.end() ? 0.0 : kPenalty * found->second;
             edges.push_back({*first, *second, pair,
                              explained_part(pair->geometry, points[*first], points[*second]),
-                             matches, matches * std::exp(-penalty)});
+                             matches, matches * std::exp(-penalty), pairs == &weak});
         }
     }
     for (ModelEdge& edge : edges) edge.relative /= std::min(best[edge.first], best[edge.second]);

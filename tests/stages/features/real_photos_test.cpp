@@ -139,7 +139,7 @@ TEST_F(CasesTest, NoFeatureLiesUnderAMask) {
 TEST_F(CasesTest, AJpegWithoutItsEndIsReadWithARemark) {
     const ExtractedPhoto photo = extract("cases/jpeg-without-eoi/0009.jpg");
     ASSERT_EQ(photo.remarks.size(), 1U);
-    EXPECT_EQ(photo.metadata.width, 768U);
+    EXPECT_EQ(photo.metadata.width, 1536U);
 }
 
 }  // namespace

@@ -22,16 +22,19 @@ struct Ring {
 };
 
 /// Some of the pairs labelled as mere turns by an angle.
-std::vector<VerifiedPairPtr> as_turns(const std::vector<VerifiedPairPtr>& pairs, double degrees,
-                                      std::size_t every) {
+std::vector<VerifiedPairPtr> as_turns(const Ring& ring, double degrees, std::size_t every) {
+    const Eigen::Matrix3d matrix = ring.model.cameras.begin()->second.matrix();
     std::vector<VerifiedPairPtr> labelled;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        auto pair = std::make_shared<VerifiedPair>(*pairs[i]);
+    for (std::size_t i = 0; i < ring.pairs.size(); ++i) {
+        auto pair = std::make_shared<VerifiedPair>(*ring.pairs[i]);
         if (i % every == 0) {
             pair->geometry.kind = TwoViewKind::kPureRotation;
             pair->geometry.cam2_from_cam1.translation.setZero();
             pair->geometry.cam2_from_cam1.rotation =
                 Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY());
+            pair->geometry.matrix = matrix *
+                                    pair->geometry.cam2_from_cam1.rotation.toRotationMatrix() *
+                                    matrix.inverse();
         }
         labelled.push_back(std::move(pair));
     }
@@ -47,15 +50,23 @@ TEST(HasInventedDepth, StepsAreNone) {
 
 TEST(HasInventedDepth, TurnsThatTheModelShowsAsStepsAre) {
     const Ring ring;
-    EXPECT_TRUE(has_invented_depth(ring.model, as_turns(ring.pairs, 20, 1), {}));
-    EXPECT_TRUE(has_invented_depth(ring.model, as_turns(ring.pairs, 20, 2), {}));
-    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring.pairs, 20, 1), {.max_invented = 0}));
+    EXPECT_TRUE(has_invented_depth(ring.model, as_turns(ring, 20, 1), {}));
+    EXPECT_TRUE(has_invented_depth(ring.model, as_turns(ring, 20, 2), {}));
+    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring, 20, 1), {.max_invented = 0}));
+}
+
+TEST(HasInventedDepth, StepsThatAGuessedFocalLengthMadeTurnsAreNone) {
+    Ring ring;
+    const auto turns = as_turns(ring, 20, 1);
+    EXPECT_TRUE(has_invented_depth(ring.model, turns, {}));
+    for (auto& [id, camera] : ring.model.cameras) camera.params[0] *= 2.0;
+    EXPECT_FALSE(has_invented_depth(ring.model, turns, {}));
 }
 
 TEST(HasInventedDepth, ShortStepsPastAPlaneAndFewWrongLabelsAreNone) {
     const Ring ring;
-    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring.pairs, 4, 1), {}));
-    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring.pairs, 20, 20), {}));
+    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring, 4, 1), {}));
+    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring, 20, 20), {}));
 }
 
 TEST(HasInventedDepth, TurnsThatTheModelShowsAsTurnsAreNone) {
@@ -68,7 +79,7 @@ TEST(HasInventedDepth, TurnsThatTheModelShowsAsTurnsAreNone) {
         image.cam_from_cluster.translation =
             -(image.cam_from_cluster.rotation * (centre + 1e-4 * (own - centre)));
     }
-    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring.pairs, 20, 1), {}));
+    EXPECT_FALSE(has_invented_depth(ring.model, as_turns(ring, 20, 1), {}));
 }
 
 TEST(WeaknessesOf, ASoundModelHasNone) {

@@ -232,15 +232,17 @@ class Cases(Sessions):
         self.assertGreater(self.status()["images"], 0)
 
     def test_jpeg_without_eoi(self):
-        self.assertIn("note 0009.jpg: lacks the marker at its end", self.run_on(self.cases / "jpeg-without-eoi"))
+        said = self.ends(BAD_INPUT, "run", self.cases / "jpeg-without-eoi", "--session", self.session)
+        self.assertIn("note 0009.jpg: lacks the marker at its end", said)
         self.assertEqual((self.status()["images"], self.status()["rejected"]), (1, 0))
 
     def test_masks_in_subfolder(self):
         photos = self.cases / "masks-in-subfolder"
-        self.assertIn("2 files in " + str(photos / "masks") + " look like masks", self.run_on(photos))
+        said = self.ends(BAD_INPUT, "run", photos, "--session", self.session)
+        self.assertIn("2 files in " + str(photos / "masks") + " look like masks", said)
         self.assertEqual(self.status()["images"], 2)
         shutil.rmtree(self.session)
-        said = self.run_on(photos, "--masks", photos / "masks")
+        said = self.ends(BAD_INPUT, "run", photos, "--session", self.session, "--masks", photos / "masks")
         self.assertIn("MASKS WITHOUT A PHOTOGRAPH", said)
         self.assertIn("0001.jpg.png", said)
         self.assertEqual(self.status()["images"], 2)
