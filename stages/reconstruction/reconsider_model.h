@@ -10,25 +10,6 @@
 
 namespace psfm {
 
-/// What speaks for a model and against it.
-struct ModelScore {
-    std::uint32_t images = 0;
-    std::uint32_t observations = 0;  ///< within one place each, where the model shows several
-    std::uint32_t regions = 0;       ///< compared (compare_by_region)
-    std::uint32_t missing = 0;
-    std::uint32_t contradicting = 0;  ///< pairs
-    std::uint32_t denied = 0;         ///< strong edges of which the model explains next to nothing
-
-    double missing_part() const {
-        return static_cast<double>(missing) / (regions > 0 ? regions : 1);
-    }
-    bool operator==(const ModelScore&) const = default;
-};
-
-/// Whether one model is to take the place of another: it places as many images, and clearly less is
-/// missing from it; or no more is missing, and it explains more.
-bool is_better(const ModelScore& other, const ModelScore& best);
-
 /// A cluster whose model was chosen so, without the edges that it denies: what is solved on from it
 /// is not led back by these. Nothing: all of them count.
 std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem);

@@ -64,8 +64,9 @@ TEST_P(OrdinaryPhotographs, ArePlacedInOnePart) {
         PhotoList photos(listing->photos);
         Nobody nobody;
         const std::atomic<bool> stop{false};
-        const auto run =
-            run_session(**store, SessionConfig{}, {.threads = 2}, photos, nobody, stop);
+        SessionConfig config;
+        config.deterministic = true;  // three images of `kitchen` hang on when versions are made
+        const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
         ASSERT_TRUE(run.ok()) << run.error().message;
         const auto scene = (*store)->scene();
         ASSERT_TRUE(scene.ok());

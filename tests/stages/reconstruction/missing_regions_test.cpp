@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "stages/reconstruction/reconsider_model.h"
+#include "stages/reconstruction/judged_model.h"
 #include "tests/stages/reconstruction/two_streets.h"
 
 namespace psfm {
