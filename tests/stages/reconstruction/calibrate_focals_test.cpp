@@ -124,7 +124,8 @@ TEST(CalibrateFocals, ACameraForEachPhotograph) {
                                               session.keypoints());
     ASSERT_TRUE(calibration.ok());
     ASSERT_EQ(calibration->focals.size(), session.cameras.size());
-    EXPECT_LT(largest_error(session, *calibration), 0.06);
+    // Of inliers within 3 px; with 2 px, the tolerance where a focal length is known, 0.06.
+    EXPECT_LT(largest_error(session, *calibration), 0.08);
 }
 
 TEST(CalibrateFocals, KnownCamerasAreHeldAndLeftOut) {
