@@ -216,6 +216,7 @@ Weaknesses weaknesses_of(const Reconstruction& model, const AssessmentOptions& o
     if (median_largest_angle_deg(model) < options.weak_angle_deg) found.add(Weakness::kSmallAngles);
     const Sights sights = count_sights(model);
     std::vector<std::uint32_t> seen;
+    seen.reserve(sights.of_image.size());
     for (const auto& [image, points] : sights.of_image) seen.push_back(points);
     if (median(std::move(seen)) < options.weak_points) found.add(Weakness::kFewPoints);
     if (!hangs_together(model, sights, options.joint_points)) found.add(Weakness::kThinJoint);
