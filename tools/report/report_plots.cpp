@@ -188,8 +188,8 @@ std::string residual_plot(const CameraFacts& camera) {
     const double stretch = 0.8 * std::min(cell_width, cell_height) / largest_mean;
     for (int row = 0; row < CameraFacts::kRows; ++row) {
         for (int column = 0; column < CameraFacts::kColumns; ++column) {
-            const ResidualCell& cell =
-                camera.cells.at(static_cast<std::size_t>(row * CameraFacts::kColumns + column));
+            const int number = row * CameraFacts::kColumns + column;
+            const ResidualCell& cell = camera.cells.at(static_cast<std::size_t>(number));
             const double x = column * cell_width;
             const double y = row * cell_height;
             if (cell.count == 0) {

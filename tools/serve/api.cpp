@@ -28,7 +28,7 @@ HttpPlan at_once(HttpResponse response) {
 template <typename F>
 HttpPlan by_work(F work) {
     HttpPlan plan;
-    plan.work = [work](const HttpRequest&) { return work(); };
+    plan.work = [work = std::move(work)](const HttpRequest&) { return work(); };
     return plan;
 }
 
