@@ -20,9 +20,11 @@ bool comes_before(const SiftPlace& a, const SiftPlace& b) {
 
 void choose_places(const SiftOptions& options, std::vector<SiftPlace>& places) {
     std::ranges::stable_sort(places, comes_before);
-    const auto rest = std::ranges::unique(
-        places, [](const SiftPlace& a, const SiftPlace& b) { return key(a) == key(b); });
-    places.erase(rest.begin(), rest.end());
+    // std::unique: clang 14, which the fuzzers are built with, has no std::ranges::unique.
+    const auto rest =
+        std::unique(places.begin(), places.end(),
+                    [](const SiftPlace& a, const SiftPlace& b) { return key(a) == key(b); });
+    places.erase(rest, places.end());
     if (places.size() > options.max_features) places.resize(options.max_features);
 }
 

@@ -146,9 +146,11 @@ SiftFeatures in_order(std::vector<Feature> features) {
     std::ranges::sort(features, [](const Feature& a, const Feature& b) {
         return std::tuple(order_of(a), a.descriptor) < std::tuple(order_of(b), b.descriptor);
     });
-    const auto rest = std::ranges::unique(
-        features, [](const Feature& a, const Feature& b) { return order_of(a) == order_of(b); });
-    features.erase(rest.begin(), rest.end());
+    // std::unique: clang 14, which the fuzzers are built with, has no std::ranges::unique.
+    const auto rest =
+        std::unique(features.begin(), features.end(),
+                    [](const Feature& a, const Feature& b) { return order_of(a) == order_of(b); });
+    features.erase(rest, features.end());
     SiftFeatures result;
     result.keypoints.reserve(features.size());
     result.descriptors.values.reserve(features.size() * Descriptors::kSize);

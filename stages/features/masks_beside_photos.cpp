@@ -113,10 +113,11 @@ class PhotoNames {
 std::vector<PhotoFile> set_masks_aside(std::vector<PhotoFile>& photos, const fs::path& given) {
     std::vector<PhotoFile> aside;
     const auto take_out = [&](const auto& is_mask) {
-        const auto kept = std::ranges::stable_partition(
-            photos, [&](const PhotoFile& photo) { return !is_mask(photo); });
-        std::ranges::move(kept, std::back_inserter(aside));
-        photos.erase(kept.begin(), kept.end());
+        // std::stable_partition: clang 14, which the fuzzers are built with, has no other.
+        const auto first = std::stable_partition(
+            photos.begin(), photos.end(), [&](const PhotoFile& photo) { return !is_mask(photo); });
+        std::move(first, photos.end(), std::back_inserter(aside));
+        photos.erase(first, photos.end());
     };
     if (!given.empty()) {
         // Where masks lie beside their photographs, only their names tell.
