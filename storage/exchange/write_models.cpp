@@ -190,7 +190,8 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
     // The list comes first: should the machine stop between two files, none of them is a stranger.
     if (auto staged = previous->stage(files); !staged) return staged.error();
     for (const auto& [name, text] : options.geo_files) {
-        auto staged = files.write(folder / name, [&body = text](OutputFile& file) { file.text(body); });
+        auto staged =
+            files.write(folder / name, [&body = text](OutputFile& file) { file.text(body); });
         if (!staged) return staged.error();
     }
     Paths written;
