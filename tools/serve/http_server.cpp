@@ -18,6 +18,7 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
+#include <limits>
 #include <map>
 #include <set>
 #include <thread>
@@ -157,7 +158,8 @@ class Server final : public HttpServer {
         error_code error;
         Parser parser;
         parser.header_limit(limits_.header_bytes);
-        parser.body_limit(boost::none);  // the application's plan has one
+        // The application's plan has one. (boost::none is below any length in Boost 1.74.)
+        parser.body_limit(std::numeric_limits<std::uint64_t>::max());
         stream.expires_after(seconds(first ? limits_.header_seconds : limits_.idle_seconds));
         if (!first && buffer.size() == 0) {  // a deadline of its own, once the header begins
             const std::size_t got =
