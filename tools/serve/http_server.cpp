@@ -35,7 +35,6 @@ using net::ip::tcp;
 using Parser = bhttp::request_parser<bhttp::buffer_body>;
 
 constexpr std::size_t kChunk = 64 * 1024;
-
 auto into(error_code& error) {
     return net::redirect_error(net::use_awaitable, error);
 }
@@ -65,7 +64,7 @@ std::optional<HttpRequest> request_of(const bhttp::request<bhttp::buffer_body>& 
 
 /// Answers to what is no request.
 HttpResponse parse_problem(const error_code& error) {
-    HttpResponse response = problem(400, "this is no request that can be understood");
+    auto response = problem(400, "this is no request that can be understood");
     if (error == bhttp::error::header_limit)
         response = problem(431, "the header of the request is too long");
     if (error == bhttp::error::body_limit)
@@ -108,8 +107,7 @@ class Server final : public HttpServer {
             wake_streams();
             for (beast::tcp_stream* stream : streams_) stream->socket().close(ignored);
         });
-        // Ends when every connection has; those that wait for another thread are gone on with
-        // first.
+        // Ends when every connection has; those that wait for a thread are gone on with first.
         thread_.join();
         disk_.join();
         work_.join();
@@ -158,7 +156,7 @@ class Server final : public HttpServer {
         error_code error;
         Parser parser;
         parser.header_limit(limits_.header_bytes);
-        // The application's plan has one. (boost::none is below any length in Boost 1.74.)
+        // The application's plan has one; boost::none is below any length in Boost 1.74.
         parser.body_limit(std::numeric_limits<std::uint64_t>::max());
         stream.expires_after(seconds(first ? limits_.header_seconds : limits_.idle_seconds));
         if (!first && buffer.size() == 0) {  // a deadline of its own, once the header begins
