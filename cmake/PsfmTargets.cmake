@@ -59,6 +59,15 @@ function(psfm_add_library name)
   endif()
 endfunction()
 
+# psfm_add_umbrella(NAME LIBRARIES...): psfm::NAME is those of the folders below, all together.
+function(psfm_add_umbrella name)
+  add_library(psfm_${name} INTERFACE)
+  add_library(psfm::${name} ALIAS psfm_${name})
+  set_target_properties(psfm_${name} PROPERTIES EXPORT_NAME ${name})
+  target_link_libraries(psfm_${name} INTERFACE ${ARGN})
+  install(TARGETS psfm_${name} EXPORT psfmTargets COMPONENT dev)
+endfunction()
+
 # psfm_hold_opencv_threads(NAME): under ThreadSanitizer, which does not see what OpenCV's loops hand to TBB.
 function(psfm_hold_opencv_threads name)
   if(PSFM_SANITIZE MATCHES "thread")

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <exception>
 
-#include "stages/features/photo_metadata.h"
-#include "stages/features/read_photo.h"
-#include "stages/features/text.h"
+#include "stages/features/cameras/photo_metadata.h"
+#include "stages/features/photographs/read_photo.h"
+#include "stages/features/photographs/text.h"
 
 namespace psfm {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "stages/features/feature_options.h"
-#include "stages/features/photo_container.h"
-#include "stages/features/photo_file.h"
+#include "stages/features/photographs/photo_container.h"
+#include "stages/features/photographs/photo_file.h"
 
 namespace psfm {
 

@@ -8,12 +8,12 @@
 #include <string>
 #include <utility>
 
-#include "stages/features/extract_sift.h"
-#include "stages/features/photo_mask.h"
-#include "stages/features/photo_metadata.h"
-#include "stages/features/picture_signature.h"
-#include "stages/features/read_photo.h"
-#include "stages/features/text.h"
+#include "stages/features/cameras/photo_metadata.h"
+#include "stages/features/photographs/photo_mask.h"
+#include "stages/features/photographs/picture_signature.h"
+#include "stages/features/photographs/read_photo.h"
+#include "stages/features/photographs/text.h"
+#include "stages/features/sift/extract_sift.h"
 
 namespace psfm {
 namespace {

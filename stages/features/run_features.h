@@ -9,7 +9,7 @@
 #include "graph/image.h"
 #include "graph/result.h"
 #include "stages/features/feature_options.h"
-#include "stages/features/photo_file.h"
+#include "stages/features/photographs/photo_file.h"
 
 namespace psfm {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stages/verification/nearest_descriptors.h"
+#include "stages/algorithms/matching/nearest_descriptors.h"
 
 namespace psfm {
 

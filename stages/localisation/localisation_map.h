@@ -12,7 +12,7 @@
 #include "graph/camera.h"
 #include "graph/image.h"
 #include "graph/scene.h"
-#include "stages/verification/match_descriptors.h"
+#include "stages/algorithms/matching/match_descriptors.h"
 
 namespace psfm {
 

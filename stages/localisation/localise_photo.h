@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "graph/result.h"
+#include "stages/algorithms/pose/absolute_pose.h"
 #include "stages/features/run_features.h"
 #include "stages/localisation/localisation_map.h"
-#include "stages/reconstruction/absolute_pose.h"
 
 namespace psfm {
 

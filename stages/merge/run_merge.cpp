@@ -16,9 +16,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "stages/merge/cluster_index.h"
-#include "stages/merge/estimate_cluster_constraint.h"
-#include "stages/merge/place_components.h"
+#include "stages/algorithms/alignment/cluster_index.h"
+#include "stages/algorithms/alignment/estimate_cluster_constraint.h"
+#include "stages/merge/geo/place_components.h"
 
 namespace psfm {
 namespace {

@@ -14,11 +14,11 @@
 #include "graph/scene.h"
 #include "graph/sim3.h"
 #include "graph/two_view_geometry.h"
-#include "stages/merge/cluster_constraint.h"
-#include "stages/merge/consistent_poses.h"
-#include "stages/merge/image_evidence.h"
-#include "stages/merge/merge_options.h"
-#include "stages/merge/place_components.h"
+#include "stages/algorithms/alignment/cluster_constraint.h"
+#include "stages/merge/consistency/consistent_poses.h"
+#include "stages/merge/geo/place_components.h"
+#include "stages/merge/values/image_evidence.h"
+#include "stages/merge/values/merge_options.h"
 
 namespace psfm {
 

@@ -10,9 +10,9 @@
 #include <cmath>
 #include <utility>
 
-#include "stages/retrieval/k_means.h"
-#include "stages/retrieval/nearest_rows.h"
-#include "stages/retrieval/rows_by_cell.h"
+#include "stages/algorithms/matching/k_means.h"
+#include "stages/algorithms/matching/nearest_rows.h"
+#include "stages/algorithms/matching/rows_by_cell.h"
 
 namespace psfm {
 

@@ -4,9 +4,9 @@
 
 #include <xxhash.h>
 
-#include "stages/retrieval/nearest_rows.h"
-#include "stages/retrieval/rows_by_cell.h"
-#include "stages/verification/nearest_descriptors.h"
+#include "stages/algorithms/matching/nearest_descriptors.h"
+#include "stages/algorithms/matching/nearest_rows.h"
+#include "stages/algorithms/matching/rows_by_cell.h"
 
 namespace psfm {
 

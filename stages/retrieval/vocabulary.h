@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "graph/image.h"
+#include "stages/algorithms/matching/match_descriptors.h"
 #include "stages/retrieval/word_tree.h"
-#include "stages/verification/match_descriptors.h"
 
 namespace psfm {
 

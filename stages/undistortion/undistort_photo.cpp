@@ -9,9 +9,9 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "stages/features/read_file_bytes.h"
-#include "stages/features/read_photo.h"
-#include "stages/features/text.h"
+#include "stages/features/photographs/read_file_bytes.h"
+#include "stages/features/photographs/read_photo.h"
+#include "stages/features/photographs/text.h"
 #include "stages/undistortion/warp_photo.h"
 
 namespace psfm {

@@ -10,7 +10,7 @@
 #include "graph/result.h"
 #include "graph/undistorted_view.h"
 #include "stages/features/feature_options.h"
-#include "stages/features/photo_file.h"
+#include "stages/features/photographs/photo_file.h"
 
 namespace psfm {
 

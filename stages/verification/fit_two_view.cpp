@@ -9,8 +9,8 @@
 #include <cmath>
 #include <utility>
 
-#include "stages/verification/decompose_two_view.h"
-#include "stages/verification/refine_two_view.h"
+#include "stages/algorithms/two_view/decompose_two_view.h"
+#include "stages/algorithms/two_view/refine_two_view.h"
 
 namespace psfm {
 namespace {

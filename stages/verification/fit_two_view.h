@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "graph/two_view_geometry.h"
-#include "stages/verification/estimate_two_view.h"
+#include "stages/algorithms/two_view/estimate_two_view.h"
 #include "stages/verification/two_view_problem.h"
 #include "stages/verification/verify_options.h"
 

@@ -14,7 +14,7 @@
 #include <tuple>
 #include <utility>
 
-#include "stages/verification/invert_two_view_geometry.h"
+#include "stages/algorithms/two_view/invert_two_view_geometry.h"
 #include "stages/verification/verify_pair.h"
 
 namespace psfm {

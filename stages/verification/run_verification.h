@@ -13,8 +13,8 @@
 #include "graph/image.h"
 #include "graph/result.h"
 #include "graph/two_view_geometry.h"
-#include "stages/verification/descriptor_cells.h"
-#include "stages/verification/match_descriptors.h"
+#include "stages/algorithms/matching/descriptor_cells.h"
+#include "stages/algorithms/matching/match_descriptors.h"
 #include "stages/verification/verify_options.h"
 
 namespace psfm {

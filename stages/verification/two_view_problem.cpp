@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "stages/verification/decompose_two_view.h"
+#include "stages/algorithms/two_view/decompose_two_view.h"
 
 namespace psfm {
 namespace {

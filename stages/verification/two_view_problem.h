@@ -10,8 +10,8 @@
 #include "graph/image.h"
 #include "graph/result.h"
 #include "graph/two_view_geometry.h"
-#include "stages/verification/refine_two_view.h"
-#include "stages/verification/sampson.h"
+#include "stages/algorithms/two_view/refine_two_view.h"
+#include "stages/algorithms/two_view/sampson.h"
 
 namespace psfm {
 

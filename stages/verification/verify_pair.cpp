@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "stages/verification/decompose_two_view.h"
-#include "stages/verification/estimate_two_view.h"
+#include "stages/algorithms/two_view/decompose_two_view.h"
+#include "stages/algorithms/two_view/estimate_two_view.h"
 #include "stages/verification/fit_two_view.h"
 #include "stages/verification/match_density.h"
 #include "stages/verification/verify_matches.h"

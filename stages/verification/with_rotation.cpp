@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "stages/verification/decompose_two_view.h"
+#include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/verification/fit_two_view.h"
 
 namespace psfm {

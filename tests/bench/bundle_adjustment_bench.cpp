@@ -8,7 +8,7 @@
 
 #include <random>
 
-#include "stages/reconstruction/bundle_adjustment.h"
+#include "stages/reconstruction/adjust/bundle_adjustment.h"
 #include "tests/stages/reconstruction/scene_model.h"
 #include "tests/synthetic/disturb.h"
 

@@ -15,7 +15,7 @@
 #include <iostream>
 #include <iterator>
 
-#include "stages/verification/descriptor_cells.h"
+#include "stages/algorithms/matching/descriptor_cells.h"
 #include "tests/bench/true_overlap.h"
 
 namespace psfm::bench {

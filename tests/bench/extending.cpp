@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "stages/reconstruction/solve_cluster.h"
+#include "stages/reconstruction/solve/solve_cluster.h"
 #include "tests/bench/session_cluster.h"
 
 namespace psfm::bench {

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <opencv2/core/utility.hpp>
 
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
 #include "tests/synthetic/render.h"
 

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "stages/features/assign_camera.h"
+#include "stages/algorithms/matching/match_descriptors.h"
+#include "stages/features/cameras/assign_camera.h"
 #include "stages/features/run_features.h"
-#include "stages/verification/match_descriptors.h"
 #include "stages/verification/run_verification.h"
 
 namespace psfm::bench {

@@ -10,8 +10,8 @@
 #include <iostream>
 #include <vector>
 
-#include "stages/verification/descriptor_cells.h"
-#include "storage/exchange/colmap_database.h"
+#include "stages/algorithms/matching/descriptor_cells.h"
+#include "storage/exchange/database/colmap_database.h"
 
 namespace psfm {
 namespace {

@@ -12,8 +12,8 @@
 #include <random>
 #include <string>
 
-#include "stages/verification/match_descriptors.h"
-#include "stages/verification/match_with_kernel.h"
+#include "stages/algorithms/matching/match_descriptors.h"
+#include "stages/algorithms/matching/match_with_kernel.h"
 
 namespace psfm {
 namespace {

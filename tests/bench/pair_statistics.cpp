@@ -12,8 +12,8 @@
 
 #include "stages/clustering/jaccard_distance.h"
 #include "stages/clustering/plausibility.h"
-#include "storage/exchange/read_colmap.h"
-#include "storage/session_store.h"
+#include "storage/exchange/models/read_colmap.h"
+#include "storage/session/session_store.h"
 
 namespace psfm::bench {
 namespace {

@@ -5,8 +5,8 @@
 // spanning tree that a solve uses.
 #include <benchmark/benchmark.h>
 
-#include "stages/reconstruction/average_rotations.h"
-#include "stages/reconstruction/solve_options.h"
+#include "stages/algorithms/averaging/average_rotations.h"
+#include "stages/reconstruction/model/solve_options.h"
 #include "tests/synthetic/rotation_graphs.h"
 
 namespace psfm {

@@ -7,7 +7,7 @@
 
 #include "stages/clustering/select_edges.h"
 #include "stages/verification/match_density.h"
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 
 namespace psfm::bench {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "graph/reconstruction.h"
 #include "stages/evaluation/evaluate_model.h"
-#include "stages/reconstruction/cluster_problem.h"
-#include "storage/session_store.h"
+#include "stages/reconstruction/model/cluster_problem.h"
+#include "storage/session/session_store.h"
 
 namespace psfm::bench {
 

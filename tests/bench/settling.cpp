@@ -15,7 +15,7 @@
 #include <iostream>
 #include <string>
 
-#include "stages/reconstruction/solve_cluster.h"
+#include "stages/reconstruction/solve/solve_cluster.h"
 #include "tests/bench/session_cluster.h"
 
 namespace psfm::bench {

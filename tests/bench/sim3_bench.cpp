@@ -7,8 +7,8 @@
 
 #include <vector>
 
-#include "stages/merge/estimate_sim3.h"
-#include "stages/merge/sim3_ransac.h"
+#include "stages/algorithms/alignment/estimate_sim3.h"
+#include "stages/algorithms/alignment/sim3_ransac.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "stages/reconstruction/triangulation.h"
+#include "stages/algorithms/pose/triangulation.h"
 
 namespace psfm {
 namespace {

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <map>
 
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 
 namespace psfm::bench {
 namespace {

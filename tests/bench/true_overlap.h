@@ -12,7 +12,7 @@
 #include "graph/result.h"
 #include "graph/rigid3.h"
 #include "graph/two_view_geometry.h"
-#include "stages/verification/match_descriptors.h"
+#include "stages/algorithms/matching/match_descriptors.h"
 
 namespace psfm::bench {
 

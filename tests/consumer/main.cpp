@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "graph/view_graph.h"
-#include "scheduler/session_config.h"
+#include "scheduler/session/session_config.h"
 #include "stages/clustering/batch_clusters.h"
 
 int main() {

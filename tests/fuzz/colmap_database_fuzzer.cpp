@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // COLMAP's databases: everything that `psfm import` reads of one.
-#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/database/colmap_database.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm::fuzz {

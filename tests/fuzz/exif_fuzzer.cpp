@@ -3,8 +3,8 @@
 // EXIF data, as they lie in any container.
 #include <cmath>
 
-#include "stages/features/read_exif.h"
-#include "stages/features/text.h"
+#include "stages/features/photographs/read_exif.h"
+#include "stages/features/photographs/text.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

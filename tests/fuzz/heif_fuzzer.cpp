@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // HEIF files, which libheif takes apart; the limit on pixels as in photo_fuzzer.cpp.
-#include "stages/features/decode_heif.h"
-#include "stages/features/read_exif.h"
+#include "stages/features/photographs/decode_heif.h"
+#include "stages/features/photographs/read_exif.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // RocksDB's logs, as they are looked through before RocksDB may open them.
-#include "storage/log_structure.h"
+#include "storage/database/log_structure.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whole photographs through their decoders. The limit on pixels is low, so that a file that gets
 // past it shows in the memory it takes (tools/fuzz limits that).
-#include "stages/features/read_photo.h"
+#include "stages/features/photographs/read_photo.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

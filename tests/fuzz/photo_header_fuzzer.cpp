@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Image headers: formats, sizes and where the EXIF data lie.
-#include "stages/features/photo_container.h"
+#include "stages/features/photographs/photo_container.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Keys of the session store, and the envelopes of its values. An input is a kind, the length of a
 // key, the key, and the value.
-#include "storage/record_envelope.h"
-#include "storage/record_key.h"
+#include "storage/records/record_envelope.h"
+#include "storage/records/record_key.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

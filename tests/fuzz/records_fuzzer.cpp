@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Payloads of the session store, with their envelope off: the first byte chooses the kind. What can
 // be decoded and encoded can be decoded again.
-#include "storage/cluster_records.h"
-#include "storage/image_records.h"
-#include "storage/pair_records.h"
-#include "storage/record_kind.h"
-#include "storage/scene_records.h"
-#include "storage/solution_records.h"
+#include "storage/records/cluster_records.h"
+#include "storage/records/image_records.h"
+#include "storage/records/pair_records.h"
+#include "storage/records/record_kind.h"
+#include "storage/records/scene_records.h"
+#include "storage/records/solution_records.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace {

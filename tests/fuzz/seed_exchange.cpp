@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "stages/retrieval/vocabulary_file.h"
-#include "storage/exchange/colmap_database.h"
-#include "storage/exchange/write_models.h"
+#include "storage/exchange/database/colmap_database.h"
+#include "storage/exchange/models/write_models.h"
 #include "tests/fuzz/seeds.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/storage/random_values.h"

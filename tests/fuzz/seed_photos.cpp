@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "stages/features/photo_container.h"
+#include "stages/features/photographs/photo_container.h"
 #include "tests/fuzz/seeds.h"
 #include "tests/stages/features/heif_fixture.h"
 #include "tests/stages/features/photo_fixture.h"

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // What a session keeps as JSON: its settings, the summary of a version, the state of a solution.
-#include "scheduler/encode_state.h"
-#include "scheduler/session_config.h"
+#include "scheduler/session/encode_state.h"
+#include "scheduler/session/session_config.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace psfm {

@@ -11,6 +11,13 @@ from pathlib import Path
 CHECK = Path(__file__).parents[2] / "tools/ci/check-includes"
 SPDX = ("// SPDX-FileCopyrightText: 2026 the psfm authors\n"
         "// SPDX-License-Identifier: BSD-3-Clause\n")
+TABLE = """# from bottom to top
+stages/features:
+stages/clustering:  stages/features
+stages/merge:       stages/features
+storage:
+scheduler:
+"""
 
 
 class CheckIncludes(unittest.TestCase):
@@ -18,9 +25,11 @@ class CheckIncludes(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
+        self.write("tools/ci/folders.txt", TABLE, head="")
         self.write("graph/ids.h", "#pragma once\n#include <vector>\n")
         self.write("storage/store.h", '#pragma once\n#include "graph/ids.h"\n')
         self.write("stages/merge/merge.h", '#pragma once\n#include "graph/ids.h"\n')
+        self.write("stages/clustering/state.h", "#pragma once\n")
         self.write("stages/features/sift.cpp", "#include <opencv2/core.hpp>\n#include <tbb/parallel_for.h>\n")
         self.write("scheduler/flow.cpp", '#include <tbb/flow_graph.h>\n#include "storage/store.h"\n')
 
@@ -83,11 +92,46 @@ class CheckIncludes(unittest.TestCase):
     def test_graph_uses_no_library(self):
         self.assert_found("graph/a.h", "#pragma once\n#include <ceres/ceres.h>\n", "may not use ceres")
 
-    def test_sibling_stage_must_be_linked(self):
-        body = '#include "stages/merge/merge.h"\n'
-        self.assert_found("stages/clustering/a.cpp", body, "links no library of stages/merge")
-        self.write("stages/clustering/CMakeLists.txt", "psfm_add_library(clustering PUBLIC psfm::merge)\n",
-                   SPDX.replace("//", "#"))
+    def test_siblings_as_the_table_says(self):
+        self.write("stages/features/sift.h", "#pragma once\n")
+        self.write("stages/clustering/b.cpp", '#include "stages/features/sift.h"\n')
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found("stages/clustering/a.cpp", '#include "stages/merge/merge.h"\n',
+                          "stages/clustering/ may not include stages/merge/")
+
+    def test_no_way_back(self):
+        self.assert_found("stages/features/a.cpp", '#include "stages/merge/merge.h"\n',
+                          "stages/features/ may not include stages/merge/")
+        (self.root / "stages/features/a.cpp").unlink()
+        names = TABLE.replace("stages/features:", "stages/features: stages/merge")
+        self.assert_found("tools/ci/folders.txt", names, "names stages/merge/, which no line above is about", head="")
+
+        self.write("tools/ci/folders.txt", TABLE, head="")
+        self.assertEqual(self.run_check()[0], 0)
+
+    def test_folders_of_a_folder(self):
+        self.write("stages/merge/deep/deep.h", "#pragma once\n")
+        self.assert_found("tools/ci/folders.txt", TABLE, "has no line for stages/merge/deep/", head="")
+        below = TABLE.replace("stages/merge:       ", "stages/merge/deep:\nstages/merge:  stages/merge/deep ")
+        self.write("tools/ci/folders.txt", below, head="")
+        self.write("stages/merge/b.cpp", '#include "stages/merge/deep/deep.h"\n')
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found("stages/merge/deep/a.cpp", '#include "stages/merge/merge.h"\n',
+                          "stages/merge/deep/ may not include stages/merge/")
+
+    def test_no_line_without_folder(self):
+        self.assert_found("tools/ci/folders.txt", TABLE + "stages/gone:\n", "stages/gone/ is no folder", head="")
+
+    def test_units_of_a_folder(self):
+        for number in range(24):
+            self.write(f"graph/unit{number}.h", "#pragma once\n")
+            self.write(f"graph/unit{number}.cpp", "")
+        self.write("graph/ids_kernel.cpp", "")  # with ids.h and the others: 26
+        self.assertIn("graph:1: 26 units", self.run_check()[1])
+        (self.root / "graph/unit0.h").unlink()
+        (self.root / "graph/unit0.cpp").unlink()
+        self.write("graph/ids_kernel_avx2.cpp", "")
+        self.write("graph/ids_kernel_loop.h", "#pragma once\n")
         self.assertEqual(self.run_check()[0], 0)
 
     def test_only_paths_from_the_root(self):

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // When images give back the tokens that let others in, and when a version shows them.
-#include "scheduler/admission.h"
+#include "scheduler/flow/admission.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "scheduler/front_end.h"
-#include "storage/database_options.h"
+#include "scheduler/front_end/front_end.h"
+#include "storage/database/database_options.h"
 #include "tests/scheduler/serial_session.h"
 #include "tests/storage/test_session.h"
 #include "tests/synthetic/verified_pairs.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/camera_report.h"
+#include "scheduler/report/camera_report.h"
 
 #include <gtest/gtest.h>
 

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/camera_report.h"
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
+#include "scheduler/report/camera_report.h"
 #include "stages/evaluation/evaluate_model.h"
-#include "stages/features/photo_listing.h"
-#include "storage/exchange/read_colmap.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "storage/exchange/models/read_colmap.h"
 
 namespace psfm {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/cluster_table.h"
+#include "scheduler/session/cluster_table.h"
 
 #include <gtest/gtest.h>
 

@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
 #include "stages/evaluation/evaluate_model.h"
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "tests/synthetic/paint.h"
 #include "tests/synthetic/photograph.h"
 #include "tests/synthetic/rng.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/describe_events.h"
+#include "scheduler/report/describe_events.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

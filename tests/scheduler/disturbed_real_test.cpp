@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <set>
 
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
 #include "stages/evaluation/evaluate_model.h"
-#include "stages/features/photo_listing.h"
-#include "storage/exchange/read_colmap.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "storage/exchange/models/read_colmap.h"
 
 namespace psfm {
 namespace {

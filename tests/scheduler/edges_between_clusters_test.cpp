@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/edges_between_clusters.h"
+#include "scheduler/session/edges_between_clusters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/encode_state.h"
+#include "scheduler/session/encode_state.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/event_log.h"
+#include "scheduler/report/event_log.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -4,7 +4,7 @@
 // Images that a cluster tries though they are not its members.
 #include <gtest/gtest.h>
 
-#include "scheduler/cluster_table.h"
+#include "scheduler/session/cluster_table.h"
 #include "tests/scheduler/made_up_clusters.h"
 
 namespace psfm {

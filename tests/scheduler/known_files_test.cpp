@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/known_files.h"
+#include "scheduler/session/known_files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scheduler/file_stamp.h"
-#include "stages/features/photo_listing.h"
-#include "stages/features/read_file_bytes.h"
+#include "scheduler/session/file_stamp.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "stages/features/photographs/read_file_bytes.h"
 
 namespace psfm {
 namespace {

@@ -11,9 +11,9 @@
 #include <filesystem>
 #include <map>
 
-#include "scheduler/run_session.h"
-#include "stages/features/photo_listing.h"
-#include "stages/merge/world_reference.h"
+#include "scheduler/flow/run_session.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "stages/merge/geo/world_reference.h"
 
 namespace psfm {
 namespace {

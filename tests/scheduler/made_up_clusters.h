@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "scheduler/cluster_table.h"
+#include "scheduler/session/cluster_table.h"
 
 /// Short words for clusters and solves that are made up.
 namespace psfm::test {

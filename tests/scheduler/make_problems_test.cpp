@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/make_problems.h"
+#include "scheduler/flow/make_problems.h"
 
 #include <gtest/gtest.h>
 

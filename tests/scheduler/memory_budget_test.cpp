@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/memory_budget.h"
+#include "scheduler/flow/memory_budget.h"
 
 #include <gtest/gtest.h>
 

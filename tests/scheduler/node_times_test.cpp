@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/node_times.h"
+#include "scheduler/report/node_times.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/option_table.h"
+#include "scheduler/session/option_table.h"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 #include <map>
 #include <ostream>
 
-#include "scheduler/run_session.h"
-#include "stages/features/photo_listing.h"
+#include "scheduler/flow/run_session.h"
+#include "stages/features/photographs/photo_listing.h"
 
 namespace psfm {
 namespace {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "graph/reconstruction.h"
-#include "scheduler/run_session.h"
-#include "stages/features/photo_listing.h"
+#include "scheduler/flow/run_session.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "tests/synthetic/render.h"
 
 namespace psfm {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/resident_models.h"
+#include "scheduler/session/resident_models.h"
 
 #include <gtest/gtest.h>
 

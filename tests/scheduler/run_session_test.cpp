@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "tests/scheduler/rendered_session.h"
 
 namespace psfm {

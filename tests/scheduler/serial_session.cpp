@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "stages/merge/run_merge.h"
-#include "stages/reconstruction/solve_cluster.h"
+#include "stages/reconstruction/solve/solve_cluster.h"
 
 namespace psfm::test {
 namespace {

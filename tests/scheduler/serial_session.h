@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "scheduler/committer.h"
+#include "scheduler/flow/committer.h"
 #include "tests/storage/test_session.h"
 #include "tests/synthetic/scene.h"
 

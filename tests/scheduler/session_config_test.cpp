@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scheduler/session_config.h"
+#include "scheduler/session/session_config.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/compact_list.h"
+#include "storage/records/compact_list.h"
 
 #include <gtest/gtest.h>
 

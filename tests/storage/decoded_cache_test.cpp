@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/decoded_cache.h"
+#include "storage/session/decoded_cache.h"
 
 #include <gtest/gtest.h>
 

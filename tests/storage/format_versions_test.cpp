@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "storage/session_folder.h"
+#include "storage/database/session_folder.h"
 #include "tests/storage/growing_session.h"
 #include "tests/storage/test_session.h"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 #include "tests/storage/random_values.h"
 
 namespace psfm::testing {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/log_structure.h"
+#include "storage/database/log_structure.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 // Random but valid values for the session store; equal seeds give equal values.
 

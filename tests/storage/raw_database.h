@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/database.h"
+#include "storage/database/database.h"
 
 namespace psfm::testing {
 

@@ -5,12 +5,12 @@
 #include <functional>
 #include <limits>
 
-#include "storage/cluster_records.h"
-#include "storage/image_records.h"
-#include "storage/pair_records.h"
-#include "storage/record_envelope.h"
-#include "storage/scene_records.h"
-#include "storage/solution_records.h"
+#include "storage/records/cluster_records.h"
+#include "storage/records/image_records.h"
+#include "storage/records/pair_records.h"
+#include "storage/records/record_envelope.h"
+#include "storage/records/scene_records.h"
+#include "storage/records/solution_records.h"
 #include "tests/storage/random_values.h"
 #include "tests/synthetic/change_points.h"
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/record_envelope.h"
+#include "storage/records/record_envelope.h"
 
 #include <gtest/gtest.h>
 
-#include "storage/image_records.h"
-#include "storage/record_key.h"
+#include "storage/records/image_records.h"
+#include "storage/records/record_key.h"
 
 namespace psfm {
 namespace {

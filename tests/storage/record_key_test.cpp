@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/record_key.h"
+#include "storage/records/record_key.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "storage/record_envelope.h"
-#include "storage/record_key.h"
+#include "storage/records/record_envelope.h"
+#include "storage/records/record_key.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/random_values.h"
 #include "tests/storage/raw_database.h"

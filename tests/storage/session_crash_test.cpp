@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "storage/store_seams.h"
+#include "storage/session/store_seams.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/fault_file_system.h"
 #include "tests/storage/test_session.h"

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "storage/store_seams.h"
+#include "storage/session/store_seams.h"
 #include "tests/storage/fault_file_system.h"
 #include "tests/storage/test_session.h"
 

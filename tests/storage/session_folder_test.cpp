@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/session_folder.h"
+#include "storage/database/session_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/test_session.h"
 

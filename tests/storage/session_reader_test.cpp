@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "storage/session_folder.h"
+#include "storage/database/session_folder.h"
 #include "tests/storage/child_process.h"
 #include "tests/storage/test_session.h"
 

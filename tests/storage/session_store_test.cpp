@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/solution_chain.h"
+#include "storage/database/solution_chain.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "storage/record_envelope.h"
+#include "storage/records/record_envelope.h"
 #include "tests/storage/growing_session.h"
 #include "tests/storage/random_values.h"
 #include "tests/storage/raw_database.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/table_structure.h"
+#include "storage/database/table_structure.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/rebuild_database.h"
+#include "storage/database/rebuild_database.h"
 #include "tests/storage/test_session.h"
 
 namespace psfm {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 // A session of made-up values that are functions of the image number, so that any process can tell
 // what must be in a session of n images.

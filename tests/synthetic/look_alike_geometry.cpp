@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "stages/verification/decompose_two_view.h"
-#include "stages/verification/sampson.h"
+#include "stages/algorithms/two_view/decompose_two_view.h"
+#include "stages/algorithms/two_view/sampson.h"
 #include "stages/verification/verify_pair.h"
 #include "tests/synthetic/disturb.h"
 #include "tests/synthetic/rng.h"

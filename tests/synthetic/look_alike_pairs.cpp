@@ -8,7 +8,7 @@
 #include <span>
 #include <tuple>
 
-#include "stages/verification/sampson.h"
+#include "stages/algorithms/two_view/sampson.h"
 #include "tests/synthetic/rng.h"
 #include "tests/synthetic/verified_pairs.h"
 

@@ -7,7 +7,7 @@
 #include <system_error>
 #include <vector>
 
-#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/database/colmap_database.h"
 #include "tests/synthetic/colmap_truth.h"
 #include "tests/synthetic/look_alike_geometry.h"
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/exchange/colmap_database.h"
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/database/colmap_database.h"
+#include "storage/exchange/models/read_colmap.h"
 
 namespace psfm::synthetic {
 namespace {

@@ -7,12 +7,12 @@
 #include <set>
 #include <string>
 
-#include "scheduler/known_files.h"
-#include "stages/features/masks_beside_photos.h"
-#include "stages/features/photo_listing.h"
-#include "stages/features/photo_mask.h"
-#include "stages/features/read_file_bytes.h"
-#include "stages/features/small_copies.h"
+#include "scheduler/session/known_files.h"
+#include "stages/features/photographs/masks_beside_photos.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "stages/features/photographs/photo_mask.h"
+#include "stages/features/photographs/read_file_bytes.h"
+#include "stages/features/photographs/small_copies.h"
 #include "tools/commands/session_runner.h"
 #include "tools/commands/wording.h"
 

@@ -11,9 +11,9 @@
 #include "graph/image.h"
 #include "graph/result.h"
 #include "stages/undistortion/undistort_photo.h"
-#include "storage/exchange/dataset_model.h"
-#include "storage/exchange/dataset_record.h"
-#include "storage/exchange/staged_files.h"
+#include "storage/exchange/files/staged_files.h"
+#include "storage/exchange/models/dataset_model.h"
+#include "storage/exchange/models/dataset_record.h"
 
 namespace psfm {
 

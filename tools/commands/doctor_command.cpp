@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "stages/features/decode_heif.h"
-#include "stages/features/lensfun_crop_factor.h"
+#include "stages/features/cameras/lensfun_crop_factor.h"
+#include "stages/features/photographs/decode_heif.h"
 #include "tools/commands/commands.h"
 
 namespace psfm {

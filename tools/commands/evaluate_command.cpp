@@ -9,9 +9,9 @@
 
 #include "stages/evaluation/evaluate_model.h"
 #include "stages/evaluation/pose_auc.h"
-#include "storage/exchange/export_models.h"
-#include "storage/exchange/read_colmap.h"
-#include "storage/session_store.h"
+#include "storage/exchange/models/export_models.h"
+#include "storage/exchange/models/read_colmap.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/evaluation_report.h"
 #include "tools/commands/report_error.h"

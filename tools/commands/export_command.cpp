@@ -11,11 +11,11 @@
 #include <memory>
 #include <optional>
 
-#include "scheduler/session_config.h"
-#include "storage/exchange/dataset_model.h"
-#include "storage/exchange/export_models.h"
-#include "storage/exchange/write_models.h"
-#include "storage/session_store.h"
+#include "scheduler/session/session_config.h"
+#include "storage/exchange/models/dataset_model.h"
+#include "storage/exchange/models/export_models.h"
+#include "storage/exchange/models/write_models.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/export_database.h"
 #include "tools/commands/export_dataset.h"

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "storage/exchange/colmap_database.h"
-#include "storage/exchange/previous_export.h"
-#include "storage/session_store.h"
+#include "storage/exchange/database/colmap_database.h"
+#include "storage/exchange/models/previous_export.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/count_line.h"
 #include "tools/commands/report_error.h"
 

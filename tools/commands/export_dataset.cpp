@@ -11,12 +11,12 @@
 #include <numeric>
 #include <set>
 
-#include "storage/exchange/dataset_names.h"
-#include "storage/exchange/export_models.h"
-#include "storage/exchange/previous_export.h"
-#include "storage/exchange/write_dataset.h"
-#include "storage/exchange/write_models.h"
-#include "storage/session_store.h"
+#include "storage/exchange/models/dataset_names.h"
+#include "storage/exchange/models/export_models.h"
+#include "storage/exchange/models/previous_export.h"
+#include "storage/exchange/models/write_dataset.h"
+#include "storage/exchange/models/write_models.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/dataset_pictures.h"
 #include "tools/commands/geo_files.h"
 #include "tools/commands/geo_report.h"

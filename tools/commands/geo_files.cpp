@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "stages/merge/earth_frame.h"
-#include "stages/merge/gravity.h"
+#include "stages/merge/geo/earth_frame.h"
+#include "stages/merge/geo/gravity.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/wording.h"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "graph/image.h"
-#include "stages/merge/world_reference.h"
-#include "storage/exchange/exported_model.h"
+#include "stages/merge/geo/world_reference.h"
+#include "storage/exchange/models/exported_model.h"
 
 namespace psfm {
 

@@ -9,8 +9,8 @@
 
 #include "graph/image.h"
 #include "graph/scene.h"
-#include "stages/merge/world_reference.h"
-#include "storage/exchange/exported_model.h"
+#include "stages/merge/geo/world_reference.h"
+#include "storage/exchange/models/exported_model.h"
 
 namespace psfm {
 

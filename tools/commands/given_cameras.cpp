@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 
 namespace psfm {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "graph/result.h"
-#include "scheduler/session_config.h"
+#include "scheduler/session/session_config.h"
 
 namespace psfm {
 

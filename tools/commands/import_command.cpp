@@ -7,7 +7,7 @@
 #include <iostream>
 #include <memory>
 
-#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/import_model.h"
 #include "tools/commands/report_error.h"

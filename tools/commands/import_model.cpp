@@ -10,9 +10,9 @@
 #include <memory>
 #include <set>
 
-#include "scheduler/begin_from_model.h"
-#include "stages/features/photo_listing.h"
-#include "storage/exchange/read_colmap.h"
+#include "scheduler/front_end/begin_from_model.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tools/commands/count_line.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"

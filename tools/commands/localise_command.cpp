@@ -14,11 +14,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "scheduler/session_config.h"
-#include "stages/features/photo_listing.h"
+#include "scheduler/session/session_config.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
 #include "stages/localisation/localise_photo.h"
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/thread_budget.h"

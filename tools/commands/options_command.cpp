@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
-#include "scheduler/option_table.h"
-#include "storage/session_store.h"
+#include "scheduler/session/option_table.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
 

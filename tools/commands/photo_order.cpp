@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "storage/exchange/image_name.h"
+#include "storage/exchange/files/image_name.h"
 
 namespace psfm {
 namespace {

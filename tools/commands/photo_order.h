@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "graph/result.h"
-#include "stages/features/photo_file.h"
+#include "stages/features/photographs/photo_file.h"
 
 namespace psfm {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <thread>
 
-#include "scheduler/event_log.h"
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
+#include "scheduler/report/event_log.h"
 #include "tools/commands/time_left.h"
 
 namespace psfm {

@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-#include "scheduler/remove_images.h"
+#include "scheduler/session/remove_images.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_options.h"

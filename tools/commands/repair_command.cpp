@@ -14,11 +14,11 @@
 #include <optional>
 #include <set>
 
-#include "scheduler/salvage.h"
-#include "storage/file_lock.h"
-#include "storage/rebuild_database.h"
-#include "storage/session_folder.h"
-#include "storage/system_error.h"
+#include "scheduler/front_end/salvage.h"
+#include "storage/database/file_lock.h"
+#include "storage/database/rebuild_database.h"
+#include "storage/database/session_folder.h"
+#include "storage/database/system_error.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"

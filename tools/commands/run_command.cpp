@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "stages/features/assign_camera.h"
-#include "stages/features/masks_beside_photos.h"
-#include "stages/features/photo_listing.h"
+#include "stages/features/cameras/assign_camera.h"
+#include "stages/features/photographs/masks_beside_photos.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/given_cameras.h"
 #include "tools/commands/report_error.h"

@@ -12,8 +12,8 @@
 #include <set>
 #include <thread>
 
-#include "scheduler/event_log.h"
-#include "scheduler/option_table.h"
+#include "scheduler/report/event_log.h"
+#include "scheduler/session/option_table.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"

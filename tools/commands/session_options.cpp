@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "scheduler/option_table.h"
+#include "scheduler/session/option_table.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"

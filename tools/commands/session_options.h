@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "graph/result.h"
-#include "scheduler/session_config.h"
-#include "storage/session_store.h"
+#include "scheduler/session/session_config.h"
+#include "storage/session/session_store.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's
 class App;

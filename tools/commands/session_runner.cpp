@@ -11,8 +11,8 @@
 #include <map>
 #include <set>
 
-#include "stages/features/photo_listing.h"
-#include "storage/exchange/colmap_database.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/thread_budget.h"

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/run_session.h"
-#include "scheduler/session_config.h"
-#include "storage/session_store.h"
+#include "scheduler/flow/run_session.h"
+#include "scheduler/session/session_config.h"
+#include "storage/session/session_store.h"
 
 namespace psfm {
 

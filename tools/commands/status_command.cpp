@@ -10,8 +10,8 @@
 #include <optional>
 #include <thread>
 
-#include "scheduler/camera_report.h"
-#include "storage/session_store.h"
+#include "scheduler/report/camera_report.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/progress.h"

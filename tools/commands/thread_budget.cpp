@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "stages/reconstruction/one_blas_thread.h"
+#include "stages/algorithms/math/one_blas_thread.h"
 
 namespace psfm {
 namespace {

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <memory>
 
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/report_error.h"

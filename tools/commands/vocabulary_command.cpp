@@ -15,7 +15,7 @@
 #include <memory>
 #include <optional>
 
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
 #include "stages/retrieval/retrieval_options.h"
 #include "stages/retrieval/session_vocabulary.h"

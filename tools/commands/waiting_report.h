@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "graph/scene.h"
-#include "scheduler/weak_model.h"
+#include "scheduler/session/weak_model.h"
 
 namespace psfm {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "stages/features/masks_beside_photos.h"
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/masks_beside_photos.h"
+#include "stages/features/photographs/photo_listing.h"
 
 namespace psfm {
 

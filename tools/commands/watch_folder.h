@@ -10,8 +10,8 @@
 #include <set>
 #include <string>
 
-#include "scheduler/file_stamp.h"
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
+#include "scheduler/session/file_stamp.h"
 
 namespace psfm {
 

@@ -8,9 +8,9 @@
 #include "graph/ids.h"
 #include "graph/result.h"
 #include "graph/scene.h"
-#include "scheduler/session_config.h"
+#include "scheduler/session/session_config.h"
 #include "stages/clustering/select_edges.h"
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 namespace psfm {
 

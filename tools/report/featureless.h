@@ -8,7 +8,7 @@
 
 #include "graph/image.h"
 #include "graph/scene.h"
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 namespace psfm {
 

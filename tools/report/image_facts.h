@@ -11,8 +11,8 @@
 
 #include "graph/image.h"
 #include "graph/scene.h"
-#include "scheduler/encode_state.h"
-#include "storage/session_store.h"
+#include "scheduler/session/encode_state.h"
+#include "storage/session/session_store.h"
 
 namespace psfm {
 

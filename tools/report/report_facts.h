@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "graph/result.h"
-#include "stages/merge/world_reference.h"
+#include "stages/merge/geo/world_reference.h"
 #include "tools/report/edge_facts.h"
 #include "tools/report/image_facts.h"
 

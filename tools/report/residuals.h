@@ -8,7 +8,7 @@
 
 #include "graph/reconstruction.h"
 #include "graph/result.h"
-#include "storage/exchange/export_models.h"
+#include "storage/exchange/models/export_models.h"
 
 namespace psfm {
 

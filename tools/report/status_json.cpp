@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "scheduler/camera_report.h"
+#include "scheduler/report/camera_report.h"
 
 namespace psfm {
 namespace {

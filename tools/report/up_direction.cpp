@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/report/up_direction.h"
 
-#include "stages/merge/gravity.h"
+#include "stages/merge/geo/gravity.h"
 
 namespace psfm {
 

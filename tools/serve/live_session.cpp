@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "scheduler/event_log.h"
+#include "scheduler/report/event_log.h"
 #include "tools/report/status_json.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/wire.h"

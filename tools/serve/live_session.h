@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
 #include "tools/serve/event_ring.h"
 #include "tools/serve/page_data.h"
 #include "tools/serve/upload_store.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "graph/result.h"
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 namespace psfm {
 

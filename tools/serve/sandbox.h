@@ -8,7 +8,7 @@
 
 #include "graph/result.h"
 #include "stages/features/feature_options.h"
-#include "stages/features/photo_file.h"
+#include "stages/features/photographs/photo_file.h"
 #include "stages/features/run_features.h"
 
 namespace psfm {

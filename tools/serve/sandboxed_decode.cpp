@@ -21,8 +21,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "stages/features/read_file_bytes.h"
-#include "stages/features/read_photo.h"
+#include "stages/features/photographs/read_file_bytes.h"
+#include "stages/features/photographs/read_photo.h"
 #include "tools/serve/sandbox.h"
 
 extern "C" char** environ;

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "stages/features/photo_container.h"
+#include "stages/features/photographs/photo_container.h"
 #include "tools/serve/sha256.h"
 
 namespace psfm {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "graph/result.h"
-#include "scheduler/run_session.h"
+#include "scheduler/flow/run_session.h"
 #include "tools/serve/http.h"
 
 namespace psfm {

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "stages/evaluation/evaluate_model.h"
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tests/stages/evaluation/pose_lists.h"
 
 namespace psfm {

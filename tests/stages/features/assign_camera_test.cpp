@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/assign_camera.h"
+#include "stages/features/cameras/assign_camera.h"
 
 #include <gtest/gtest.h>
 

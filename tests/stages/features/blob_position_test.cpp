@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "stages/features/extract_sift.h"
+#include "stages/features/sift/extract_sift.h"
 
 // Pins the pixel origin of the features: OpenCV's own coordinates are 0.25 px (of the detection
 // image) off, which would be noticed nowhere else but in the accuracy of every pose.

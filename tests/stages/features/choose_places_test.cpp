@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/choose_places.h"
+#include "stages/features/sift/choose_places.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/decode_heif.h"
+#include "stages/features/photographs/decode_heif.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "stages/features/read_photo.h"
+#include "stages/features/photographs/read_photo.h"
 #include "tests/stages/features/heif_fixture.h"
 #include "tests/stages/features/photo_fixture.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/extract_sift.h"
+#include "stages/features/sift/extract_sift.h"
 
 #include <gtest/gtest.h>
 

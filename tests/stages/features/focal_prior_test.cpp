@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/focal_prior.h"
+#include "stages/features/cameras/focal_prior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <utility>
 
-#include "stages/features/lensfun_crop_factor.h"
+#include "stages/features/cameras/lensfun_crop_factor.h"
 
 namespace psfm {
 namespace {

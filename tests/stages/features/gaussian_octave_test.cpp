@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/gaussian_octave.h"
+#include "stages/features/sift/gaussian_octave.h"
 
 #include <gtest/gtest.h>
 

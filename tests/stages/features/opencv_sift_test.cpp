@@ -9,8 +9,8 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "stages/features/extract_sift.h"
-#include "stages/features/root_sift.h"
+#include "stages/features/sift/extract_sift.h"
+#include "stages/features/sift/root_sift.h"
 #include "tests/stages/features/photo_fixture.h"
 
 // An independent implementation finds the same features in the whole image.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/photo_container.h"
+#include "stages/features/photographs/photo_container.h"
 
 #include <gtest/gtest.h>
 

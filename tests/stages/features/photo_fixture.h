@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stages/features/photo_file.h"
+#include "stages/features/photographs/photo_file.h"
 
 namespace Exiv2 {
 class ExifData;

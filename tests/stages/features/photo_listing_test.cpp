@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/photo_listing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

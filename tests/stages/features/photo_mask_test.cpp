@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/photo_mask.h"
+#include "stages/features/photographs/photo_mask.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "stages/features/masks_beside_photos.h"
-#include "stages/features/photo_listing.h"
+#include "stages/features/photographs/masks_beside_photos.h"
+#include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
 #include "tests/stages/features/photo_fixture.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/picture_signature.h"
+#include "stages/features/photographs/picture_signature.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "stages/features/photo_listing.h"
-#include "stages/features/reduced_copy.h"
-#include "stages/features/small_copies.h"
+#include "stages/features/photographs/photo_listing.h"
+#include "stages/features/photographs/reduced_copy.h"
+#include "stages/features/photographs/small_copies.h"
 #include "tests/stages/features/photo_fixture.h"
 
 namespace psfm {

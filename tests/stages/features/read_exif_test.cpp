@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/read_exif.h"
+#include "stages/features/photographs/read_exif.h"
 
 #include <gtest/gtest.h>
 
 #include <exiv2/exiv2.hpp>
 #include <random>
 
-#include "stages/features/photo_container.h"
+#include "stages/features/photographs/photo_container.h"
 #include "tests/stages/features/photo_fixture.h"
 
 namespace psfm {

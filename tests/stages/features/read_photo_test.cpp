@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/read_photo.h"
+#include "stages/features/photographs/read_photo.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/root_sift.h"
+#include "stages/features/sift/root_sift.h"
 
 #include <gtest/gtest.h>
 

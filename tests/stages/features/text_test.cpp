@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stages/features/text.h"
+#include "stages/features/photographs/text.h"
 
 #include <gtest/gtest.h>
 

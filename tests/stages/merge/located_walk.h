@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "graph/sim3.h"
-#include "stages/merge/georeference.h"
+#include "stages/merge/geo/georeference.h"
 #include "tests/synthetic/rng.h"
 #include "tests/synthetic/scene.h"
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "stages/merge/keep_frame.h"
-#include "stages/merge/model_cameras.h"
+#include "stages/merge/geo/keep_frame.h"
+#include "stages/merge/values/model_cameras.h"
 #include "tests/stages/merge/cut_scene.h"
 
 namespace psfm {

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "stages/reconstruction/relative_direction.h"
+#include "stages/algorithms/averaging/relative_direction.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/rng.h"
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "stages/reconstruction/cluster_problem.h"
+#include "stages/reconstruction/model/cluster_problem.h"
 #include "tests/synthetic/change_points.h"
 #include "tests/synthetic/scene.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "stages/reconstruction/working_model.h"
+#include "stages/reconstruction/model/working_model.h"
 #include "tests/stages/reconstruction/problems.h"
 #include "tests/synthetic/verified_pairs.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "stages/reconstruction/find_adoptions.h"
+#include "stages/merge/adopt/find_adoptions.h"
 #include "tests/stages/merge/cut_scene.h"
 #include "tests/synthetic/change_points.h"
 

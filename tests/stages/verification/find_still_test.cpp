@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "stages/verification/invert_two_view_geometry.h"
+#include "stages/algorithms/two_view/invert_two_view_geometry.h"
 #include "stages/verification/verify_pair.h"
 #include "tests/stages/verification/two_views.h"
 

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "stages/verification/invert_two_view_geometry.h"
+#include "stages/algorithms/two_view/invert_two_view_geometry.h"
 #include "tests/synthetic/disturb.h"
 #include "tests/synthetic/rng.h"
 #include "tests/synthetic/scene.h"

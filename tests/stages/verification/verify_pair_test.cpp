@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <set>
 
-#include "stages/verification/decompose_two_view.h"
+#include "stages/algorithms/two_view/decompose_two_view.h"
 #include "tests/stages/verification/two_views.h"
 
 namespace psfm {

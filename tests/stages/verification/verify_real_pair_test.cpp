@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "stages/verification/match_descriptors.h"
+#include "stages/algorithms/matching/match_descriptors.h"
 #include "stages/verification/verify_pair.h"
 #include "tests/stages/verification/two_views.h"
 

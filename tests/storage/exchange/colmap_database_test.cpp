@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/database/colmap_database.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

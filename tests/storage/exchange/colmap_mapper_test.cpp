@@ -5,8 +5,8 @@
 
 #include <cstdlib>
 
-#include "storage/exchange/colmap_database.h"
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/database/colmap_database.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/scene.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <limits>
 
-#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/database/colmap_database.h"
 #include "tests/storage/exchange/database_example.h"
 #include "tests/storage/exchange/example_model.h"
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/exchange/colmap_database.h"
+#include "storage/exchange/database/colmap_database.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm::test {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/exchange/dataset_model.h"
+#include "storage/exchange/models/dataset_model.h"
 
 #include <gtest/gtest.h>
 
-#include "storage/exchange/dataset_record.h"
+#include "storage/exchange/models/dataset_record.h"
 #include "tests/storage/exchange/example_model.h"
 
 namespace psfm {

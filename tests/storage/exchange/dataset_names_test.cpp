@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/exchange/dataset_names.h"
+#include "storage/exchange/models/dataset_names.h"
 
 #include <gtest/gtest.h>
 

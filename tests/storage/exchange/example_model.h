@@ -10,7 +10,7 @@
 #include <iterator>
 #include <string>
 
-#include "storage/exchange/exported_model.h"
+#include "storage/exchange/models/exported_model.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm::test {

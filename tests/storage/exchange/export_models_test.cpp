@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/exchange/export_models.h"
+#include "storage/exchange/models/export_models.h"
 
 #include <gtest/gtest.h>
 

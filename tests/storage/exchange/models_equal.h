@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/exchange/exported_model.h"
+#include "storage/exchange/models/exported_model.h"
 
 namespace psfm::test {
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 
 #include <gtest/gtest.h>
 
-#include "storage/exchange/read_colmap_parts.h"
-#include "storage/exchange/write_models.h"
+#include "storage/exchange/models/read_colmap_parts.h"
+#include "storage/exchange/models/write_models.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/storage/exchange/models_equal.h"
 

@@ -4,8 +4,8 @@
 
 #include <cstdlib>
 
-#include "storage/exchange/read_colmap.h"
-#include "storage/exchange/write_models.h"
+#include "storage/exchange/models/read_colmap.h"
+#include "storage/exchange/models/write_models.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/storage/exchange/models_equal.h"
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "storage/exchange/write_models.h"
+#include "storage/exchange/models/write_models.h"
 #include "tests/storage/exchange/example_model.h"
 
 namespace psfm {

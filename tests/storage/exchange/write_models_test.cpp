@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/exchange/write_models.h"
+#include "storage/exchange/models/write_models.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <string>
 
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/storage/exchange/models_equal.h"
 

@@ -11,7 +11,7 @@
 
 #include "graph/camera.h"
 #include "graph/rigid3.h"
-#include "storage/session_store.h"
+#include "storage/session/session_store.h"
 
 namespace psfm::test {
 

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "storage/exchange/colmap_database.h"
-#include "storage/session_store.h"
+#include "storage/exchange/database/colmap_database.h"
+#include "storage/session/session_store.h"
 #include "tests/storage/exchange/database_example.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tools/commands/commands.h"

@@ -10,7 +10,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/tools/commands/dataset_session.h"
 #include "tests/tools/commands/trainer_rules.h"

@@ -8,8 +8,8 @@
 #include <CLI/Formatter.hpp>
 #include <nlohmann/json.hpp>
 
-#include "storage/exchange/read_colmap.h"
-#include "storage/session_store.h"
+#include "storage/exchange/models/read_colmap.h"
+#include "storage/session/session_store.h"
 #include "tests/stages/evaluation/pose_lists.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tools/commands/commands.h"

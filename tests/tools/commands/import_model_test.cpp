@@ -7,9 +7,9 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "storage/exchange/read_colmap.h"
-#include "storage/exchange/write_models.h"
-#include "storage/session_store.h"
+#include "storage/exchange/models/read_colmap.h"
+#include "storage/exchange/models/write_models.h"
+#include "storage/session/session_store.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/tools/commands/dataset_session.h"
 #include "tools/commands/commands.h"

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "storage/exchange/read_colmap.h"
+#include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
 
 namespace psfm::test {

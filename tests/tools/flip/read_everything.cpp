@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "storage/cluster_records.h"
-#include "storage/image_records.h"
-#include "storage/pair_records.h"
-#include "storage/scene_records.h"
-#include "storage/session_store.h"
-#include "storage/solution_records.h"
+#include "storage/records/cluster_records.h"
+#include "storage/records/image_records.h"
+#include "storage/records/pair_records.h"
+#include "storage/records/scene_records.h"
+#include "storage/records/solution_records.h"
+#include "storage/session/session_store.h"
 
 namespace psfm::testing {
 namespace {

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "storage/record_envelope.h"
-#include "storage/record_key.h"
-#include "storage/scene_records.h"
+#include "storage/records/record_envelope.h"
+#include "storage/records/record_key.h"
+#include "storage/records/scene_records.h"
 
 namespace {
 

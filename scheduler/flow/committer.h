@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "graph/result.h"
+#include "scheduler/flow/admission.h"
+#include "scheduler/session/messages.h"
+#include "scheduler/session/session_config.h"
+#include "scheduler/session/session_state.h"
+
+namespace psfm {
+
+/// What one message makes the commit node send on.
+struct CommitOutput {
+    std::vector<AcceptedImagePtr> accepted;  ///< to retrieval, in order of acceptance
+    std::vector<SolveMessage> solves;
+    std::optional<MergeMessage> merge;
+    std::optional<PublishMessage> publish;
+};
+
+/// The one writer of a session: applies what the stages found to the state, stores it (the commit
+/// points of DESIGN.md section 4), and decides what is solved, merged and published next. Serial;
+/// no TBB in here, so that the whole life of a session can be tested message by message.
+///
+/// REQUIRES of the caller: Extracted messages in order of sequence, Verified messages in order of
+/// image id.
+class Committer {
+  public:
+    Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
+              SessionState state);
+
+    /// @errors those of the store: the session cannot go on, and everything acknowledged is safe.
+    /// After an error every further message is ignored.
+    Result<CommitOutput> handle(const CommitInput& message);
+
+    const SessionState& state() const { return state_; }
+    /// See ResidentKeypoints and ResidentModels: so many bytes for each.
+    void keep_idle(std::size_t bytes) {
+        state_.keypoints.set_budget(bytes);
+        state_.models.set_budget(bytes);
+    }
+
+    /// Models that settle side by side in a session that is not deterministic; the others have
+    /// their points and keypoints in the store meanwhile. Raised: more memory; below the number of
+    /// threads: some have nothing to do.
+    void settle_at_once(std::size_t models) { settles_at_once_ = models; }
+
+    /// See ExecutionOptions::rest_per_merge.
+    void rest_after_merges(double times) { rest_per_merge_ = times; }
+
+    /// The image tokens, which outlive this; without them, whatever is quiet counts as idle.
+    void watch(const Admission& image_tokens) { image_tokens_ = &image_tokens; }
+
+  private:
+    Result<void> on(const CatchUp& message, CommitOutput& output);
+    Result<void> on(const ExtractedMessage& message, CommitOutput& output);
+    Result<void> on(const ResumedImage& message, CommitOutput& output);
+    Result<void> on(const VerifiedMessage& message, CommitOutput& output);
+    Result<void> on(const SolvedMessage& message, CommitOutput& output);
+    Result<void> on(const MergedMessage& message, CommitOutput& output);
+    Result<void> on(const SourceIdle& message, CommitOutput& output);
+    Result<void> on(const EndOfPhotos& message, CommitOutput& output);
+
+    /// A solution becomes its cluster's, and is committed. @return whether what it says of places
+    /// has changed clusters @errors those of the store
+    Result<bool> take_solution(const SolvedMessage& message);
+    /// The contrary: its cluster is solved again, from what the store has.
+    void give_up(const SolvedMessage& message);
+    /// Turns a photograph down. @param hash  of its content; 0: not known
+    /// @param stamp  looked at again when it differs from that; nothing: in any case
+    Result<void> reject(const ExtractedMessage& message, const std::string& reason,
+                        std::uint64_t hash, const std::optional<FileStamp>& stamp);
+    /// A file that has the name of an image of the session.
+    void pass_over(const ExtractedMessage& message);
+    /// A file with the content of an image: the image's name follows where its own file is gone,
+    /// else it is a copy, and rejected. @errors those of the store
+    Result<void> meet_twin(const ExtractedMessage& message, ImageId twin);
+    /// That a photograph is a small copy of an image, in words; empty: it is of none.
+    std::string small_copy_of_known(const std::string& name, const ExtractedPhoto& photo) const;
+    /// Tells of images that are small copies of a new one.
+    void tell_of_small_copies(ImageId image);
+    /// The camera of a new image, made if it is the first of its kind. @return nothing where the
+    /// camera given for it has another size
+    std::optional<CameraId> camera_of(const Image& image);
+    /// Of a photograph, to those who watch; not kept for `status`. @param kind  kRejected, kRemark
+    void tell_of_photo(SessionEvent::Kind kind, const std::string& name, const std::string& text);
+    /// Keeps images apart that a model shows beside each other and that are of different places,
+    /// and takes that back where a model says otherwise. @return what is to be stored for that
+    /// @errors those of the store
+    Result<StoredEdit> separate(const ClusterProblem& problem,
+                                const Result<ClusterSolution>& solution);
+    /// Takes over what changed in the view graph.
+    /// @param others  clusters whose records changed as well
+    /// @errors those of the store
+    Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
+    /// Takes over what changed in the clustering, because of these edges. @errors those of the
+    /// store
+    Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
+                             const std::set<ClusterId>& others);
+    /// Forgets which images of small clusters are of different places, as earlier models said it:
+    /// all images of the session say it again. Once for each number of them. @return whether there
+    /// was something @errors those of the store
+    Result<bool> forget_places();
+    /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return
+    /// whether there was something @errors those of the store
+    Result<bool> join_late();
+    /// Guests of large clusters after a change. @return clusters that got or lost one
+    std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
+                                        const ClusteringEdit& edit);
+    /// Clusters with a model that lost an edge between two of their images. @param except  these
+    /// not
+    std::vector<ClusterId> clusters_resting_on(std::span<const ImagePair> removed,
+                                               const std::set<ClusterId>& except) const;
+    /// The next image may come in although this one is not published yet: what a version costs
+    /// grows with the session, and so may the number of images that share it.
+    void release_early(PendingImage& verified);
+    /// @errors those of the store
+    Result<void> advance(CommitOutput& output);
+    /// @errors those of the store
+    Result<std::shared_ptr<const ClusterProblem>> problem_of(const ClusterEntry& entry,
+                                                             bool settle);
+    /// unplaced_images(), with their keypoints. @errors those of the store
+    Result<std::vector<UnplacedImage>> images_to_adopt();
+    /// What merging looks at is awake in it. @errors those of the store
+    Result<MergeMessage> problem_of_merge();
+    /// @errors those of the store
+    Result<void> start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
+                              CommitOutput& output);
+    /// What becomes of a session at rest to which no photograph comes: what was held apart is
+    /// joined, and once nothing is, all settles. @errors those of the store
+    Result<void> conclude(CommitOutput& output);
+    /// All that has not settled is to settle, the largest model first.
+    void begin_settling();
+    /// What is to settle does, as much of it as may at once. Deterministic sessions settle all from
+    /// one and the same state. @errors those of the store
+    Result<void> go_on_settling(CommitOutput& output);
+    /// Deterministic sessions publish when everything is solved; others as soon as there is
+    /// something new, but leave time for other work, each piece of which ends in advance().
+    /// @param quiet  there is no such work
+    bool time_for_version(bool quiet) const;
+    /// Photographs are waiting, and may come in: so a quiet moment is short.
+    bool more_to_come() const;
+    /// Images that have their place in a merged model move to the clusters that will place them.
+    /// @return clusters that got one
+    std::vector<ClusterId> adopt(const MergedMessage& message);
+    void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
+    /// To the log, and to `status`.
+    void tell(SessionEvent event);
+    void count(const Scene& scene);
+    StoredCluster stored(const ClusterEntry& entry) const;
+
+    SessionStore* store_;
+    SessionConfig config_;
+    StageOptions options_;
+    SessionState state_;
+    std::vector<SessionEvent> events_;  // since the last publication
+    const Admission* image_tokens_ = nullptr;
+    std::uint32_t photos_released_ = 0;
+    std::uint32_t images_released_ = 0;
+    std::uint64_t photos_seen_ = 0;
+    std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
+    std::optional<std::uint64_t> photos_expected_;     // known once no photograph will follow
+    bool merging_ = false;                             // one merge in flight at most
+    double rest_per_merge_ = ExecutionOptions{}.rest_per_merge;
+    Clock::time_point next_version_;   // not before, while there is other work
+    bool changed_ = false;             // something is to be merged and published
+    bool catching_up_ = false;         // an image token is held for that
+    bool settle_first_ = false;        // an earlier process was settling
+    std::deque<ClusterId> to_settle_;  // taken from the table, and not begun yet
+    std::size_t settling_ = 0;         // begun, and not solved yet
+    std::size_t settles_at_once_ = 8;
+    /// No photograph has come since the session was at rest: what is solved looks at weak edges.
+    bool concluding_ = false;
+    std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
+    std::size_t solving_ = 0;                // solves in flight
+    std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
+    bool failed_ = false;
+};
+
+}  // namespace psfm

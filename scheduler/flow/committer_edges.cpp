@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the committer does when edges of the view graph come and go: with a new image, and when a
+// model turns out to show two places.
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/flow/committer.h"
+#include "scheduler/report/describe_events.h"
+#include "stages/clustering/host_cluster.h"
+#include "stages/clustering/keep_apart.h"
+#include "stages/clustering/update_clustering.h"
+
+namespace psfm {
+
+Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*output*/) {
+    if (!message.pairs->ok()) return message.pairs->error();
+    const auto start = Clock::now();
+    const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
+    const ImageId image = message.image;
+    ++state_.verified;
+    concluding_ = false;
+    const auto edit =
+        apply(select_edges(state_.edges, state_.view_graph, image, pairs, options_.edges), {});
+    if (!edit.ok()) return edit.error();
+    if (const auto done = store_->commit_pairs(image, pairs, edit->changed, edit->removed);
+        !done.ok())
+        return done;
+    store_->give_up_cache(bytes_of(pairs));
+    PendingImage& pending = state_.pending[index_of(image)];
+    pending.verified = true;
+    pending.report.retrieve_ms = message.retrieve_ms;
+    pending.report.verify_ms = message.verify_ms;
+    pending.report.cluster_ms = milliseconds_since(start);
+    release_early(pending);
+    changed_ = true;
+    return {};
+}
+
+Result<StoredEdit> Committer::separate(const ClusterProblem& problem,
+                                       const Result<ClusterSolution>& solution) {
+    if (!solution.ok()) return StoredEdit{};
+    std::vector<ImageId> images;
+    images.reserve(solution->model->images.size());
+    for (const RegisteredImage& image : solution->model->images) images.push_back(image.image);
+    const PlaceVerdict verdict = judge_places(state_.edges, images, solution->places);
+    if (verdict.empty()) return StoredEdit{};
+    if (!verdict.apart.empty()) tell(describe_places(problem, *solution, state_.images));
+    // The records of these hold the pairs.
+    std::set<ClusterId> holders;
+    for (const std::vector<ImagePair>* pairs : {&verdict.apart, &verdict.together}) {
+        for (const ImagePair& pair : *pairs)
+            holders.insert(state_.clustering.cluster_of[index_of(pair.first)]);
+    }
+    return apply(keep_apart(state_.edges, state_.view_graph, verdict), holders);
+}
+
+Result<bool> Committer::forget_places() {
+    // What is said of places from here on, all images say.
+    if (std::exchange(places_forgotten_at_, state_.verified) == state_.verified) return false;
+    if (state_.edges.apart_count == 0) return false;
+    const bool is_settled = std::ranges::all_of(state_.clusters.entries(), [](const auto& entry) {
+        return !entry.second.model || entry.second.settled;
+    });
+    if (is_settled) return false;  // nothing has come since it was asked last
+    PlaceVerdict verdict;
+    std::set<ClusterId> holders;
+    for (const std::vector<ImageId>& images :
+         images_held_apart(state_.clustering, state_.edges, options_.solve.doubt.max_images)) {
+        for (const ImagePair& pair : apart_pairs_of(state_.edges, images)) {
+            verdict.together.push_back(pair);
+            holders.insert(state_.clustering.cluster_of[index_of(pair.first)]);
+        }
+    }
+    if (verdict.empty()) return false;
+    const auto edit = apply(keep_apart(state_.edges, state_.view_graph, verdict), holders);
+    if (!edit.ok()) return edit.error();
+    changed_ = true;
+    const auto stored = store_->commit_clusters(*edit);
+    return stored.ok() ? Result<bool>(true) : stored.error();
+}
+
+Result<StoredEdit> Committer::apply(const EdgeChanges& edges, const std::set<ClusterId>& others) {
+    return apply(
+        update_clustering(state_.clustering, state_.view_graph, edges.images, options_.clustering),
+        edges, others);
+}
+
+Result<bool> Committer::join_late() {
+    const ClusteringEdit joined =
+        psfm::join_late(state_.clustering, state_.view_graph, options_.clustering);
+    if (joined.changed.empty()) return false;
+    const auto edit = apply(joined, EdgeChanges{}, {});
+    if (!edit.ok()) return edit.error();
+    changed_ = true;
+    const auto stored = store_->commit_clusters(*edit);
+    return stored.ok() ? Result<bool>(true) : stored.error();
+}
+
+Result<StoredEdit> Committer::apply(const ClusteringEdit& edit, const EdgeChanges& edges,
+                                    const std::set<ClusterId>& others) {
+    std::vector<ClusterId> cut;
+    cut.reserve(edit.changed.size() + edit.moved.size());
+    for (const ClusterMembers& changed : edit.changed) cut.push_back(changed.id);
+    for (const MovedMembers& moved : edit.moved) cut.push_back(moved.from);
+    const auto awake = state_.models.use(cut, state_.clusters, *store_);
+    if (!awake.ok()) return awake.error();
+    const std::size_t untouched = state_.clusters.entries().size();
+    std::vector<ClusterId> rehosted;
+    const std::vector<ClusterChange> changes =
+        state_.clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
+    state_.clusters.edges_changed(edges.images);
+    for (const ClusterChange& change : changes) tell(describe_change(change));
+    state_.counts.solves_skipped += static_cast<std::uint32_t>(
+        untouched - std::min(untouched, edit.changed.size() + edit.removed.size()));
+
+    std::set<ClusterId> dirty;
+    for (const ClusterMembers& cluster : edit.changed) dirty.insert(cluster.id);
+    dirty.insert(rehosted.begin(), rehosted.end());
+    const std::vector<ClusterId> shaken = clusters_resting_on(edges.removed, dirty);
+    state_.clusters.make_dirty(shaken);
+    dirty.insert(shaken.begin(), shaken.end());
+    dirty.insert(others.begin(), others.end());
+    StoredEdit result;
+    result.removed = edit.removed;
+    for (const ClusterId id : dirty) {
+        const auto entry = state_.clusters.entries().find(id);
+        if (entry != state_.clusters.entries().end())
+            result.changed.push_back(stored(entry->second));
+    }
+    return result;
+}
+
+std::vector<ClusterId> Committer::clusters_resting_on(std::span<const ImagePair> removed,
+                                                      const std::set<ClusterId>& except) const {
+    std::set<ClusterId> clusters;
+    for (const ImagePair& pair : removed) {
+        const ClusterEntry& entry = state_.clusters.of(pair.first);
+        const bool inside = entry.id == state_.clusters.of(pair.second).id;
+        if (inside && !entry.material.empty() && !except.contains(entry.id))
+            clusters.insert(entry.id);
+    }
+    return {clusters.begin(), clusters.end()};
+}
+
+std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
+                                               const ClusteringEdit& edit) {
+    const std::uint32_t mu_min = options_.solve.mu_min;
+    std::vector<ImageId> changed(touched.begin(), touched.end());
+    std::vector<ClusterId> clusters = edit.removed;
+    for (const MovedMembers& moved : edit.moved) {
+        changed.insert(changed.end(), moved.members.begin(), moved.members.end());
+    }
+    for (const ClusterMembers& cluster : edit.changed) {
+        clusters.push_back(cluster.id);
+        // A cluster that has just become large enough was in parts below mu_min before.
+        const bool is_new_host = state_.clusters.entries().at(cluster.id).revision == 0;
+        if (cluster.members.size() < mu_min || is_new_host) {
+            changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
+        }
+    }
+    const std::vector<ImageId> guests = state_.clusters.guests_of(clusters);
+    changed.insert(changed.end(), guests.begin(), guests.end());
+    std::vector<std::pair<ImageId, std::optional<ClusterId>>> hosts;
+    for (const ImageId image :
+         images_to_host_again(state_.view_graph, state_.clustering, changed, mu_min)) {
+        if (state_.clusters.stays_adopted(image)) continue;
+        hosts.emplace_back(image,
+                           host_cluster(state_.view_graph, state_.clustering, image, mu_min));
+    }
+    return state_.clusters.set_hosts(hosts);
+}
+
+}  // namespace psfm

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The committer's last step: a merged version becomes the published scene.
+#include <algorithm>
+
+#include "scheduler/flow/committer.h"
+#include "scheduler/report/describe_events.h"
+#include "scheduler/session/encode_state.h"
+
+namespace psfm {
+Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
+    merging_ = false;
+    next_version_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                       rest_per_merge_ *
+                                       std::chrono::duration<double, std::milli>(message.merge_ms));
+    if (!message.result->ok()) return message.result->error();
+    const MergeResult& merged = message.result->value().merge;
+    for (const auto& [id, cameras] : merged.cameras) {
+        const auto& clusters = message.problem->clusters;
+        const auto cluster = std::ranges::lower_bound(clusters, id, {}, &MergeCluster::id);
+        state_.clusters.learn_cameras(id, cluster->model, cameras);
+    }
+    state_.models.release(state_.clusters);
+    auto scene = std::make_shared<Scene>();
+    scene->version = state_.scene->version + 1;
+    scene->image_count = state_.verified;
+    scene->effective_clusters = merged.effective_clusters;
+    StoredSceneVersion stored_version;
+    for (const MergeCluster& cluster : message.problem->clusters) {
+        const auto entry = state_.clusters.entries().find(cluster.id);
+        // What has been solved since is shown by the next version, which is due already.
+        if (entry == state_.clusters.entries().end()) continue;
+        const auto placement =
+            std::ranges::lower_bound(merged.placements, cluster.id, {}, &ClusterPlacement::id);
+        auto shown = std::make_shared<SceneCluster>();
+        shown->id = cluster.id;
+        // A cluster that lost its model shows none of its former solutions.
+        shown->revision = cluster.model ? cluster.revision : 0;
+        shown->members = state_.clusters.images_of(entry->second);
+        shown->model = cluster.model;
+        if (shown->model && places_others_than(*shown->model, shown->members)) {
+            // Images that have left, and guests that have a cluster of their own by now.
+            shown->model = std::make_shared<const Reconstruction>(
+                restricted_to(*shown->model, shown->members));
+        }
+        shown->world_from_cluster = placement->world_from_cluster;
+        shown->effective_cluster = placement->effective_cluster;
+        stored_version.placements.push_back({shown->id, shown->revision, shown->members,
+                                             shown->world_from_cluster, shown->effective_cluster});
+        scene->clusters.push_back(std::move(shown));
+    }
+    std::vector<StoredCluster> adopting;
+    for (const ClusterId id : adopt(message))
+        adopting.push_back(stored(state_.clusters.entries().at(id)));
+    count(*scene);
+    stored_version.version = scene->version;
+    stored_version.image_count = scene->image_count;
+    stored_version.effective_clusters = scene->effective_clusters;
+    stored_version.summary_json =
+        encode_summary({state_.counts, waiting_images(state_, options_.solve.mu_min),
+                        state_.past_events, weak_models(state_)});
+    if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok()) return done;
+    state_.constraints = merged.constraints;
+    state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
+                              merged.set_aside.end());
+    state_.known_poses = merged.known_poses;
+    state_.scene = scene;
+    PublishMessage publish;
+    publish.scene = scene;
+    publish.counts = state_.counts;
+    report_published(*message.problem, message.merge_ms, publish);
+    output.publish = std::move(publish);
+    return {};
+}
+
+std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
+    std::vector<ClusterId> hosts;
+    for (const Adoption& adoption : message.result->value().adoptions) {
+        const auto tried =
+            std::ranges::lower_bound(*message.unplaced, adoption.image, {}, &UnplacedImage::id);
+        const ClusterEntry& own = state_.clusters.of(adoption.image);
+        const auto host = state_.clusters.entries().find(adoption.host);
+        // What was found may be outdated: then the next merge tries again.
+        const bool is_current = own.id == tried->tried_by && own.phase == ClusterPhase::kClean &&
+                                (!own.model || own.model->find(adoption.image) == nullptr) &&
+                                host != state_.clusters.entries().end() &&
+                                host->second.members.size() >= options_.solve.mu_min;
+        if (!is_current) continue;
+        tell(describe_adoption(adoption, own.id, state_.images[index_of(adoption.image)].name));
+        state_.clusters.adopt(adoption.image, adoption.host);
+        hosts.push_back(adoption.host);
+    }
+    std::ranges::sort(hosts);
+    hosts.erase(std::unique(hosts.begin(), hosts.end()), hosts.end());
+    return hosts;
+}
+
+void Committer::count(const Scene& scene) {
+    SessionCounts& counts = state_.counts;
+    counts.images = state_.image_count();
+    counts.placed = static_cast<std::uint32_t>(placed_count(scene));
+    counts.waiting = counts.images - counts.placed;
+    counts.rejected = static_cast<std::uint32_t>(state_.rejected.size());
+    counts.clusters =
+        static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
+            return cluster->model && !cluster->model->empty();
+        }));
+    counts.effective_clusters = scene.effective_clusters;
+    counts.version = scene.version;
+    counts.solves_coalesced = state_.clusters.coalesced();
+}
+
+void Committer::report_published(const MergeProblem& problem, double merge_ms,
+                                 PublishMessage& publish) {
+    // A deterministic session takes the next image when all clusters are at rest: an image that was
+    // adopted just now is still on its way.
+    if (config_.deterministic && state_.clusters.busy()) return;
+    for (auto& [index, pending] : state_.pending) {
+        if (pending.published || !pending.verified) continue;
+        const auto image = static_cast<ImageId>(index);
+        const ClusterEntry& entry = state_.clusters.of(image);
+        const auto merged =
+            std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
+        if (merged == problem.clusters.end() || merged->id != entry.id) continue;
+        // Placed, though the cluster may be solved again for the sake of others; or tried in vain.
+        const bool placed = merged->model && merged->model->find(image) != nullptr;
+        const bool tried = merged->revision == entry.revision &&
+                           (merged->model == nullptr) == (entry.model == nullptr) &&
+                           entry.phase == ClusterPhase::kClean;
+        if (!placed && !tried) continue;
+        pending.published = true;
+        pending.report.merge_ms = merge_ms;
+        pending.report.latency_ms = milliseconds_since(pending.arrival);
+        if (pending.admitted) ++images_released_;
+    }
+    // Reports leave in order of arrival: one that is ready waits for those before it.
+    while (!state_.pending.empty() && state_.pending.begin()->second.published) {
+        publish.images.push_back(state_.pending.begin()->second.report);
+        state_.pending.erase(state_.pending.begin());
+    }
+}
+
+}  // namespace psfm

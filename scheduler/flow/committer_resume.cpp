@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The committer's first steps: what an earlier process left between two commits.
+#include "scheduler/flow/committer.h"
+#include "scheduler/flow/make_problems.h"
+
+namespace psfm {
+Result<void> Committer::on(const CatchUp& /*message*/, CommitOutput& /*output*/) {
+    catching_up_ = true;
+    const Scene& scene = *state_.scene;
+    const auto& clusters = state_.clusters.entries();
+    changed_ = scene.image_count != state_.verified || scene.clusters.size() != clusters.size();
+    for (const auto& [id, entry] : clusters) {
+        if (is_shown(entry, scene)) continue;
+        changed_ = true;
+        settle_first_ = settle_first_ || entry.settled;
+    }
+    for (std::uint32_t image = scene.image_count; image < state_.verified; ++image) {
+        PendingImage pending;
+        pending.report.index = image + 1;
+        pending.report.name = state_.images[image].name;
+        pending.arrival = Clock::now();
+        pending.verified = true;
+        pending.admitted = false;
+        state_.pending[image] = pending;
+    }
+    return {};
+}
+
+Result<void> Committer::on(const ResumedImage& message, CommitOutput& output) {
+    PendingImage pending;
+    pending.report.index = index_of(message.image->image.id) + 1;
+    pending.report.name = message.image->image.name;
+    pending.arrival = Clock::now();
+    state_.pending[index_of(message.image->image.id)] = pending;
+    output.accepted.push_back(message.image);
+    return {};
+}
+
+}  // namespace psfm

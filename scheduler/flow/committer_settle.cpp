@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The committer at the end of the photographs: what was held apart is joined, and every model is
+// adjusted to convergence.
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/flow/committer.h"
+#include "scheduler/report/describe_events.h"
+
+namespace psfm {
+
+Result<void> Committer::conclude(CommitOutput& output) {
+    concluding_ = true;
+    if (!std::exchange(settle_first_, false)) {
+        const auto forgotten = forget_places();
+        if (!forgotten.ok()) return forgotten.error();
+        const auto joined = *forgotten ? Result<bool>(true) : join_late();
+        if (!joined.ok()) return joined.error();
+        if (*joined) return start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
+    }
+    begin_settling();
+    return go_on_settling(output);
+}
+
+void Committer::begin_settling() {
+    std::vector<SettlingModel> models;
+    for (const ClusterEntry* entry : state_.clusters.take_unsettled())
+        models.push_back({entry->id, state_.clusters.images_of(*entry).size()});
+    if (models.empty()) return;
+    events_.push_back(describe_settling(models));
+    // One that begins last is waited for by all.
+    std::ranges::stable_sort(models, std::ranges::greater(), &SettlingModel::images);
+    for (const SettlingModel& model : models) to_settle_.push_back(model.cluster);
+}
+
+Result<void> Committer::go_on_settling(CommitOutput& output) {
+    while (!to_settle_.empty() && (config_.deterministic || settling_ < settles_at_once_)) {
+        const ClusterEntry* entry = state_.clusters.begin_taken(to_settle_.front());
+        to_settle_.pop_front();
+        if (entry == nullptr) continue;
+        if (const auto started = start_solves({entry}, /*settle=*/true, output); !started.ok())
+            return started;
+        ++settling_;
+    }
+    return {};
+}
+
+}  // namespace psfm

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The committer and the solves: how they begin, and what becomes of their solutions.
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "scheduler/flow/committer.h"
+#include "scheduler/flow/make_problems.h"
+#include "scheduler/report/describe_events.h"
+#include "scheduler/session/encode_state.h"
+
+namespace psfm {
+namespace {
+
+bool changes_clusters(const StoredEdit& edit) {
+    return !edit.changed.empty() || !edit.removed.empty();
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const ClusterProblem>> Committer::problem_of(const ClusterEntry& entry,
+                                                                    bool settle) {
+    const auto read = state_.keypoints.use(state_.clusters.images_of(entry), *store_);
+    if (!read.ok()) return read.error();
+    const auto awake = state_.models.use(std::span(&entry.id, 1), state_.clusters, *store_);
+    if (!awake.ok()) return awake.error();
+    return make_cluster_problem(state_, config_, entry, settle, concluding_);
+}
+
+Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
+                                     CommitOutput& output) {
+    for (const ClusterEntry* entry : clusters) {
+        auto problem = problem_of(*entry, settle);
+        if (!problem.ok()) return problem.error();
+        output.solves.push_back({*std::move(problem)});
+        ++solving_;
+    }
+    // Those that a cluster could not place are tried elsewhere (unplaced_images).
+    state_.keypoints.release([&](ImageId image) {
+        if (index_of(image) >= state_.verified) return false;
+        const ClusterEntry& entry = state_.clusters.of(image);
+        return entry.phase == ClusterPhase::kClean && entry.model &&
+               entry.model->find(image) != nullptr;
+    });
+    return {};
+}
+
+Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*/) {
+    --solving_;
+    if (!config_.deterministic) {
+        const auto taken = take_solution(message);
+        return taken.ok() ? Result<void>() : taken.error();
+    }
+    // Which of several ends first depends on the machine, and what one says of places on which.
+    solved_.push_back(message);
+    if (solving_ > 0) return {};
+    std::vector<SolvedMessage> solved = std::exchange(solved_, {});
+    std::ranges::sort(solved, {}, [](const SolvedMessage& m) { return m.problem->cluster; });
+    bool others_changed = false;
+    for (const SolvedMessage& one : solved) {
+        // A process that dies here has stored what one solution said of places, and solves the
+        // others again with that: so does one that lives.
+        if (others_changed && !one.problem->settle) {
+            give_up(one);
+            continue;
+        }
+        const auto taken = take_solution(one);
+        if (!taken.ok()) return taken.error();
+        others_changed |= *taken;
+    }
+    return {};
+}
+
+void Committer::give_up(const SolvedMessage& message) {
+    state_.clusters.give_up(message.problem->cluster);
+    if (!message.solution->ok()) return;
+    events_.push_back(describe_solve(*message.problem, *message.solution, message.solution->value(),
+                                     /*published=*/false));
+}
+
+Result<bool> Committer::take_solution(const SolvedMessage& message) {
+    ClusterSolution solution;
+    if (message.solution->ok()) {
+        solution = message.solution->value();
+    } else {
+        // A failed solve leaves its images waiting; the next change of the cluster tries again.
+        solution.cluster = message.problem->cluster;
+        solution.topology = message.problem->topology;
+        solution.model = message.problem->recycled.empty()
+                             ? std::make_shared<const Reconstruction>()
+                             : message.problem->recycled.front();
+        solution.state = message.problem->recycled_state;
+    }
+    if (message.problem->settle) --settling_;
+    const SolveStatistics& statistics = solution.statistics;
+    switch (statistics.kind) {
+        case SolveKind::kNew:
+            ++state_.counts.solves_new;
+            break;
+        case SolveKind::kExtend:
+            ++state_.counts.solves_extend;
+            break;
+        case SolveKind::kTransfer:
+            ++state_.counts.solves_transfer;
+            break;
+        case SolveKind::kSettle:
+            ++state_.counts.solves_settle;
+            break;
+        case SolveKind::kTooSmall:
+            break;
+    }
+    for (auto& [index, pending] : state_.pending) {
+        const auto in_problem = std::ranges::lower_bound(
+            message.problem->images, static_cast<ImageId>(index), {}, &ClusterImage::id);
+        if (in_problem != message.problem->images.end() && index_of(in_problem->id) == index)
+            pending.report.solve_ms += statistics.milliseconds;
+    }
+    if (statistics.reset) {
+        ++state_.counts.resets;
+        tell(describe_reset(*message.problem, solution, state_.images));
+    }
+    if (auto cameras = describe_cameras(*message.problem, solution, state_.images))
+        tell(*std::move(cameras));
+    const ClusterEntry* entry =
+        state_.clusters.finish(*message.problem, solution, message.solution->ok());
+    events_.push_back(
+        describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
+    changed_ = true;
+    if (entry == nullptr) {
+        const auto edit = separate(*message.problem, *message.solution);
+        if (!edit.ok()) return edit.error();
+        if (!changes_clusters(*edit)) return false;
+        const auto stored = store_->commit_clusters(*edit);
+        return stored.ok() ? Result<bool>(true) : stored.error();
+    }
+    StoredSolution stored_solution;
+    stored_solution.cluster = entry->id;
+    stored_solution.revision = entry->revision;
+    stored_solution.model = entry->model;
+    stored_solution.state_json = encode_solve_state({solution.state, entry->settled});
+    stored_solution.succession = std::move(solution.succession);
+    // What is found of places may change the clusters, and may be the end of this one.
+    StoredCluster own = stored(*entry);
+    auto edit = separate(*message.problem, *message.solution);
+    if (!edit.ok()) return edit.error();
+    const bool changes = changes_clusters(*edit);
+    std::erase_if(edit->changed, [&](const StoredCluster& c) { return c.id == own.id; });
+    const auto still = state_.clusters.entries().find(own.id);
+    if (still != state_.clusters.entries().end()) own = stored(still->second);
+    const auto stored = store_->commit_solution(stored_solution, own, *edit);
+    return stored.ok() ? Result<bool>(changes) : stored.error();
+}
+
+}  // namespace psfm

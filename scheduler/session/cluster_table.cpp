@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/session/cluster_table.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+
+namespace psfm {
+namespace {
+
+bool has_model(const std::shared_ptr<const Reconstruction>& model) {
+    return model && !model->empty();
+}
+
+}  // namespace
+
+/// Models whose images move together to another cluster, whole: by the cluster they move to.
+std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
+    const ClusteringEdit& edit) const {
+    std::map<ClusterId, std::vector<RecycledModel>> arriving;
+    for (const MovedMembers& moved : edit.moved) {
+        const auto from = entries_.find(moved.from);
+        if (from == entries_.end()) continue;
+        std::vector<RecycledModel>& models = arriving[moved.to];
+        models.insert(models.end(), from->second.material.begin(), from->second.material.end());
+    }
+    return arriving;
+}
+
+/// The part of a model that a cluster takes over with the images that moved there. A group below
+/// mu_min is added one by one instead (paper sec. "Cluster Reconstruction", transfer).
+std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& source,
+                                                         const ClusterEntry& entry) const {
+    auto part =
+        std::make_shared<const Reconstruction>(restricted_to(*source.model, images_of(entry)));
+    if (part->images.size() < mu_min_) return std::nullopt;
+    return RecycledModel{source.cluster, source.revision, std::move(part), entry.topology};
+}
+
+/// Leaves of an entry's models what its images see. @return whether it lost some
+bool ClusterTable::keep_members(ClusterEntry& entry) const {
+    const std::vector<ImageId> images = images_of(entry);
+    const auto cut = [&](std::shared_ptr<const Reconstruction>& model) {
+        if (!places_others_than(*model, images)) return false;
+        model = std::make_shared<const Reconstruction>(restricted_to(*model, images));
+        return true;
+    };
+    bool lost = false;
+    for (RecycledModel& recycled : entry.material) lost |= cut(recycled.model);
+    std::erase_if(entry.material, [&](const RecycledModel& recycled) {
+        return recycled.model->images.size() < mu_min_;
+    });
+    // The published model would show images twice that are another cluster's by now.
+    if (std::shared_ptr<const Reconstruction> model = entry.model; model && cut(model))
+        set_model(entry, model->images.size() < mu_min_ ? nullptr : std::move(model));
+    return lost;
+}
+
+std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
+                                               const std::function<void()>& find_hosts) {
+    const std::map<ClusterId, std::vector<RecycledModel>> moving = moving_models(edit);
+    for (const ClusterMembers& changed : edit.changed) {
+        ClusterEntry& entry = entries_[changed.id];
+        entry.id = changed.id;
+        entry.members = changed.members;
+        ++entry.topology;
+        for (const ImageId image : changed.members) {
+            if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
+            cluster_of_[index_of(image)] = changed.id;
+        }
+        make_dirty(entry);
+    }
+    for (const ClusterId removed : edit.removed) {
+        if (auto entry = entries_.extract(removed))
+            orphans_.emplace(removed, std::move(entry.mapped().guests));
+        unclean_.erase(removed);
+    }
+    if (find_hosts) find_hosts();
+    orphans_.clear();
+
+    std::vector<ClusterChange> changes;
+    for (const ClusterMembers& changed : edit.changed) {
+        ClusterEntry& entry = entries_.at(changed.id);
+        if (keep_members(entry)) {
+            changes.push_back(
+                {ClusterChange::Kind::kSplit, changed.id, {}, changed.members.size()});
+        }
+        const auto sources = moving.find(changed.id);
+        if (sources == moving.end()) continue;
+        const bool is_join = !entry.material.empty();
+        ClusterChange join{ClusterChange::Kind::kJoin, changed.id, {}, changed.members.size()};
+        for (const RecycledModel& source : sources->second) {
+            auto part = arriving_part(source, entry);
+            if (!part) continue;
+            changes.push_back({ClusterChange::Kind::kTransfer,
+                               changed.id,
+                               {source.cluster},
+                               part->model->images.size()});
+            join.others.push_back(source.cluster);
+            entry.brought.emplace_back(part->cluster, part->revision);
+            entry.material.push_back(*std::move(part));
+        }
+        if (join.others.empty()) continue;
+        entry.transfer_topology = entry.topology;
+        if (is_join || entry.material.size() > 1) changes.push_back(std::move(join));
+    }
+    return changes;
+}
+
+void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
+    for (const ClusterId id : clusters) {
+        ++entries_.at(id).topology;
+        make_dirty(entries_.at(id));
+    }
+}
+
+void ClusterTable::set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model) {
+    entry.model = std::move(model);
+    entry.cameras = nullptr;
+    ++entry.placing_changes;
+}
+
+void ClusterTable::set_phase(ClusterEntry& entry, ClusterPhase phase) {
+    entry.phase = phase;
+    if (phase == ClusterPhase::kClean) {
+        unclean_.erase(entry.id);
+    } else {
+        unclean_.insert(entry.id);
+    }
+}
+
+void ClusterTable::make_dirty(ClusterEntry& entry) {
+    entry.settled = false;
+    const bool in_flight =
+        entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
+    if (in_flight) {
+        set_phase(entry, ClusterPhase::kSolvingDirty);
+    } else if (entry.members.size() < mu_min_) {
+        set_phase(entry, ClusterPhase::kClean);
+        entry.solved_topology = entry.topology;
+        set_model(entry, nullptr);
+    } else {
+        set_phase(entry, ClusterPhase::kDirty);
+    }
+}
+
+std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
+    std::vector<const ClusterEntry*> taken;
+    for (const ClusterId id : unclean_) {
+        ClusterEntry& entry = entries_.at(id);
+        if (entry.phase != ClusterPhase::kDirty) continue;
+        set_phase(entry, ClusterPhase::kSolving);
+        taken.push_back(&entry);
+    }
+    return taken;
+}
+
+std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
+    std::vector<const ClusterEntry*> taken;
+    for (auto& [id, entry] : entries_) {
+        if (entry.phase != ClusterPhase::kClean || entry.settled || !has_model(entry.model))
+            continue;
+        set_phase(entry, ClusterPhase::kSolving);
+        taken.push_back(&entry);
+    }
+    return taken;
+}
+
+const ClusterEntry* ClusterTable::begin_taken(ClusterId cluster) {
+    const auto found = entries_.find(cluster);
+    if (found == entries_.end()) return nullptr;
+    ClusterEntry& entry = found->second;
+    if (entry.phase == ClusterPhase::kSolving) return &entry;
+    set_phase(entry, ClusterPhase::kClean);
+    make_dirty(entry);
+    return nullptr;
+}
+
+const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterSolution& solution,
+                                         bool solved) {
+    const auto found = entries_.find(problem.cluster);
+    if (found == entries_.end()) {
+        ++coalesced_;
+        return nullptr;
+    }
+    ClusterEntry& entry = found->second;
+    const bool current = entry.topology == solution.topology;
+    if (solved && has_model(solution.model)) {
+        // What has come along since the solve began is not in its result.
+        std::erase_if(entry.material, [&](const RecycledModel& recycled) {
+            return recycled.arrived <= solution.topology;
+        });
+        entry.material.insert(entry.material.begin(),
+                              {entry.id, entry.revision + (current ? 1 : 0), solution.model});
+        entry.material_state = solution.state;
+        std::optional<Succession>& succession = solution.succession;
+        if (succession && entry.to_outgrown && succession->before == entry.outgrown)
+            succession = compose(*entry.to_outgrown, *succession);
+        const bool is_outgrown = !current && succession && succession->before == entry.model;
+        entry.outgrown = is_outgrown ? solution.model : nullptr;
+        entry.to_outgrown = is_outgrown ? succession : std::nullopt;
+    }
+    if (!current) {
+        ++coalesced_;
+        // Images may have left meanwhile.
+        keep_members(entry);
+        if (entry.members.size() < mu_min_) {
+            set_phase(entry, ClusterPhase::kClean);
+            entry.solved_topology = entry.topology;
+            set_model(entry, nullptr);
+        } else {
+            set_phase(entry, ClusterPhase::kDirty);
+        }
+        return nullptr;
+    }
+    set_phase(entry, ClusterPhase::kClean);
+    entry.solved_topology = entry.topology;
+    set_model(entry, solution.model);
+    if (solved) entry.brought.clear();
+    entry.waiting = solution.waiting;
+    entry.settled = problem.settle;
+    ++entry.revision;
+    return &entry;
+}
+
+void ClusterTable::give_up(ClusterId cluster) {
+    ++coalesced_;
+    const auto found = entries_.find(cluster);
+    if (found == entries_.end()) return;
+    set_phase(found->second, ClusterPhase::kClean);
+    make_dirty(found->second);
+}
+
+void ClusterTable::learn_cameras(ClusterId cluster,
+                                 const std::shared_ptr<const Reconstruction>& model,
+                                 ModelCamerasPtr cameras) {
+    const auto found = entries_.find(cluster);
+    if (found != entries_.end() && found->second.model == model)
+        found->second.cameras = std::move(cameras);
+}
+
+bool ClusterTable::may_rest(const ClusterEntry& entry) {
+    return !entry.rests && entry.phase == ClusterPhase::kClean && has_model(entry.model) &&
+           entry.cameras && entry.material.size() == 1 &&
+           entry.material.front().model == entry.model && !entry.outgrown;
+}
+
+void ClusterTable::rest(ClusterId cluster) {
+    ClusterEntry& entry = entries_.at(cluster);
+    auto model = std::make_shared<Reconstruction>();
+    model->images = entry.model->images;
+    model->cameras = entry.model->cameras;
+    entry.model = entry.material.front().model = std::move(model);
+    entry.rests = true;
+}
+
+void ClusterTable::wake(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model) {
+    ClusterEntry& entry = entries_.at(cluster);
+    entry.model = entry.material.front().model = model;
+    entry.rests = false;
+}
+
+bool ClusterTable::busy() const {
+    return !unclean_.empty();
+}
+
+void ClusterTable::restore_models(ClusterEntry models) {
+    ClusterEntry& entry = entries_.at(models.id);
+    models.guests = std::move(entry.guests);
+    models.phase = entry.phase;
+    entry = std::move(models);
+    const bool is_whole = !keep_members(entry);
+    if (is_whole && may_rest(entry)) rest(entry.id);
+}
+
+void ClusterTable::restore_host(ImageId guest, ClusterId host) {
+    give_to_host(guest, host);
+}
+
+void ClusterTable::restore_adopted(ImageId guest, ClusterId host) {
+    take_from_host(guest);
+    give_to_host(guest, host);
+    home_of_adopted_[guest] = cluster_of_[index_of(guest)];
+}
+
+void ClusterTable::restore(ClusterEntry entry) {
+    for (const ImageId image : entry.members) {
+        if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
+        cluster_of_[index_of(image)] = entry.id;
+    }
+    const bool dirty = entry.solved_topology != entry.topology && entry.members.size() >= mu_min_;
+    set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
+    entries_[entry.id] = std::move(entry);
+}
+
+}  // namespace psfm

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/session/edges_between_clusters.h"
+
+#include <algorithm>
+
+namespace psfm {
+
+std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable& clusters,
+                                                              const ViewGraph& view_graph) {
+    std::vector<ClusterId> outdated;
+    for (const auto& [id, placed] : placed_) {
+        const auto entry = clusters.entries().find(id);
+        if (entry == clusters.entries().end() || entry->second.placing_changes != placed.changes)
+            outdated.push_back(id);
+    }
+    forget(outdated);
+    placing_.resize(view_graph.size());
+    std::vector<ClusterId> changed;
+    for (const auto& [id, entry] : clusters.entries()) {
+        if (placed_.contains(id)) continue;
+        changed.push_back(id);
+        Placed& placed = placed_[id];
+        placed.changes = entry.placing_changes;
+        if (!entry.model) continue;
+        for (const RegisteredImage& image : entry.model->images) {
+            // Until a cluster that lost an image is solved again, two models have it.
+            if (clusters.of(image.image).id != id) continue;
+            placed.images.push_back(image.image);
+            placing_[index_of(image.image)] = id;
+        }
+    }
+    for (auto& [pair, edges] : collect(changed, view_graph))
+        between_[pair] = cluster_pair_edges(pair.first, pair.second, std::move(edges));
+    std::vector<ClusterPairEdgesPtr> pairs;
+    pairs.reserve(between_.size());
+    for (const auto& [pair, edges] : between_) pairs.push_back(edges);
+    return pairs;
+}
+
+void EdgesBetweenClusters::forget(const std::vector<ClusterId>& clusters) {
+    for (const ClusterId id : clusters) {
+        const auto placed = placed_.find(id);
+        for (const ImageId image : placed->second.images) placing_[index_of(image)].reset();
+        placed_.erase(placed);
+    }
+    std::erase_if(between_, [&](const auto& pair) {
+        return !placed_.contains(pair.first.first) || !placed_.contains(pair.first.second);
+    });
+}
+
+std::map<EdgesBetweenClusters::ClusterPair, std::vector<VerifiedPairPtr>>
+EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed,
+                              const ViewGraph& view_graph) const {
+    std::map<ClusterPair, std::vector<VerifiedPairPtr>> found;
+    for (const ClusterId cluster : changed) {
+        for (const ImageId image : placed_.at(cluster).images) {
+            for (const ViewGraph::Edge& edge : view_graph.edges(image)) {
+                if (edge.weight == 0.0) continue;  // too weak to join what stands by itself
+                const std::optional<ClusterId>& other = placing_[index_of(edge.neighbor)];
+                if (!other || *other == cluster) continue;
+                // Where both have changed, it is found from the first one.
+                if (*other < cluster && std::ranges::binary_search(changed, *other)) continue;
+                found[std::minmax(cluster, *other)].push_back(edge.pair);
+            }
+        }
+    }
+    return found;
+}
+
+}  // namespace psfm

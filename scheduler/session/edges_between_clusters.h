@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "graph/ids.h"
+#include "graph/view_graph.h"
+#include "scheduler/session/cluster_table.h"
+#include "stages/algorithms/alignment/cluster_constraint.h"
+
+namespace psfm {
+
+/// The view graph's edges between images that different clusters place, from version to version:
+/// only clusters that have changed are looked at again. Not thread-safe.
+class EdgesBetweenClusters {
+  public:
+    /// @return ascending by clusters; pairs of clusters that have not changed are those of before
+    std::vector<ClusterPairEdgesPtr> update(const ClusterTable& clusters,
+                                            const ViewGraph& view_graph);
+
+  private:
+    /// What a cluster placed when it was looked at.
+    struct Placed {
+        std::uint64_t changes = 0;  ///< ClusterEntry::placing_changes
+        std::vector<ImageId> images;
+    };
+    using ClusterPair = std::pair<ClusterId, ClusterId>;
+
+    /// Forgets what these placed, and their edges.
+    void forget(const std::vector<ClusterId>& clusters);
+    /// Each edge of a changed cluster once. @param changed  ascending
+    std::map<ClusterPair, std::vector<VerifiedPairPtr>> collect(
+        const std::vector<ClusterId>& changed, const ViewGraph& view_graph) const;
+
+    std::map<ClusterId, Placed> placed_;
+    std::vector<std::optional<ClusterId>> placing_;  ///< by image
+    std::map<ClusterPair, ClusterPairEdgesPtr> between_;
+};
+
+}  // namespace psfm

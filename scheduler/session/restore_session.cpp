@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "scheduler/session/encode_state.h"
+#include "scheduler/session/session_state.h"
+#include "stages/clustering/host_cluster.h"
+#include "stages/clustering/keep_apart.h"
+#include "stages/features/cameras/assign_camera.h"
+#include "stages/merge/values/model_cameras.h"
+
+namespace psfm {
+namespace {
+
+Result<void> restore_images(const SessionReader& store, const SessionConfig& config,
+                            RestoredSession& restored) {
+    SessionState& state = restored.state;
+    auto images = store.images();
+    if (!images.ok()) return images.error();
+    auto cameras = store.cameras();
+    if (!cameras.ok()) return cameras.error();
+    auto rejected = store.rejected();
+    if (!rejected.ok()) return rejected.error();
+    const auto verified = store.verified_image_count();
+    if (!verified.ok()) return verified.error();
+    auto sources = store.image_sources();
+    if (!sources.ok()) return sources.error();
+    state.images = *std::move(images);
+    state.sources = *std::move(sources);
+    state.cameras = *std::move(cameras);
+    restored.rejected = *std::move(rejected);
+    for (const RejectedPhoto& photo : restored.rejected) state.rejected.insert(photo.name);
+    state.verified = *verified;
+    for (const Image& image : state.images) {
+        std::shared_ptr<const Keypoints> keypoints;
+        if (index_of(image.id) >= state.verified) {
+            auto read = store.keypoints(image.id);
+            if (!read.ok()) return read.error();
+            keypoints = *std::move(read);
+        }
+        state.keypoints.push_back(std::move(keypoints));
+        if (state.is_removed(image.id)) {
+            state.removed_content.insert(image.metadata.content_hash);
+            continue;
+        }
+        state.image_of_content.emplace(image.metadata.content_hash, image.id);
+        state.names.insert(image.name);
+        // A camera given since then is that of later images only.
+        const auto given = config.given_cameras.find(image.name);
+        const bool was_given = given != config.given_cameras.end() &&
+                               given->second.camera == state.cameras.at(image.camera);
+        const std::string key = was_given
+                                    ? "given:" + given->second.key
+                                    : camera_key(config.camera_sharing, image.metadata, image.name);
+        state.camera_of_key.emplace(key, image.camera);
+    }
+    for (std::size_t i = state.verified; i < state.images.size(); ++i) {
+        auto descriptors = store.descriptors(static_cast<ImageId>(i));
+        if (!descriptors.ok()) return descriptors.error();
+        const Image& image = state.images[i];
+        restored.unverified.push_back(std::make_shared<const AcceptedImage>(AcceptedImage{
+            image, state.cameras.at(image.camera), state.keypoints[i], *std::move(descriptors)}));
+    }
+    return {};
+}
+
+Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionOptions& options,
+                                SessionState& state) {
+    for (std::uint32_t i = 0; i < state.verified; ++i) {
+        const auto image = static_cast<ImageId>(i);
+        const auto pairs = store.pairs_of(image);
+        if (!pairs.ok()) return pairs.error();
+        select_edges(state.edges, state.view_graph, image, *pairs, options);
+        store.give_up_cache(bytes_of(*pairs));
+    }
+    const auto clusters = store.clusters();
+    if (!clusters.ok()) return clusters.error();
+    PlaceVerdict known;
+    for (const StoredCluster& cluster : *clusters) {
+        for (const ImagePair& pair : cluster.apart) {
+            if (index_of(pair.second) >= state.verified)
+                return Error{ErrorCode::kDamaged, "cluster " +
+                                                      std::to_string(index_of(cluster.id)) +
+                                                      " keeps an image apart that has no pairs"};
+            known.apart.push_back(pair);
+        }
+    }
+    keep_apart(state.edges, state.view_graph, known);
+    return {};
+}
+
+/// What the next solve of a cluster starts from. @param entry  without models
+Result<void> restore_models(const SessionReader& store, const StoredCluster& stored,
+                            const StageOptions& options, ClusterEntry& entry) {
+    auto solution = store.solution(stored.id);
+    if (!solution.ok()) return solution.error();
+    if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
+        const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
+        entry.model = (*solution)->model;
+        entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
+        if (!entry.model->empty()) {
+            entry.material = {{stored.id, stored.revision, entry.model}};
+            entry.material_state = solve_state.state;
+            entry.cameras = cameras_of(*entry.model);
+        }
+    }
+    if (entry.solved_topology >= entry.transfer_topology) return {};
+    for (const SolutionReference& recycled : stored.recycled) {
+        auto model = store.recycled_model(recycled);
+        if (!model.ok()) return model.error();
+        if (!*model) continue;
+        entry.material.push_back({recycled.cluster, recycled.revision, *std::move(model)});
+        entry.brought.emplace_back(recycled.cluster, recycled.revision);
+    }
+    return {};
+}
+
+ClusterEntry without_models(const StoredCluster& stored) {
+    ClusterEntry entry;
+    entry.id = stored.id;
+    entry.members = stored.members;
+    entry.topology = stored.topology;
+    entry.solved_topology = stored.solved_topology;
+    entry.revision = stored.revision;
+    entry.transfer_topology = stored.transfer_topology;
+    return entry;
+}
+
+Result<void> restore_clusters(const SessionReader& store, const StageOptions& options,
+                              SessionState& state) {
+    const auto clusters = store.clusters();
+    if (!clusters.ok()) return clusters.error();
+    std::vector<ClusterMembers> members;
+    for (const StoredCluster& stored : *clusters) {
+        members.push_back({stored.id, stored.members});
+        state.clusters.restore(without_models(stored));
+    }
+    const auto next = store.next_cluster_id();
+    if (!next.ok()) return next.error();
+    auto clustering = restore_clustering(state.view_graph, members, *next, options.clustering);
+    if (!clustering.ok()) return clustering.error();
+    state.clustering = *std::move(clustering);
+    for (std::uint32_t i = 0; i < state.verified; ++i) {
+        const auto image = static_cast<ImageId>(i);
+        const auto host =
+            host_cluster(state.view_graph, state.clustering, image, options.solve.mu_min);
+        if (host) state.clusters.restore_host(image, *host);
+    }
+    for (const StoredCluster& stored : *clusters) {
+        for (const ImageId image : stored.adopted) state.clusters.restore_adopted(image, stored.id);
+    }
+    // One model after the other: those of clusters that rest do not stay in memory.
+    for (const StoredCluster& stored : *clusters) {
+        ClusterEntry models = without_models(stored);
+        const auto done = restore_models(store, stored, options, models);
+        if (!done.ok()) return done;
+        state.clusters.restore_models(std::move(models));
+    }
+    return {};
+}
+
+}  // namespace
+
+std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs) {
+    // Either image knows the other, as a plausible neighbor and in the view graph.
+    constexpr std::size_t kEdges = 2 * (sizeof(EdgeSelection::Edge) + sizeof(ViewGraph::Edge));
+    std::size_t bytes = 0;
+    for (const VerifiedPairPtr& pair : pairs)
+        bytes +=
+            sizeof(VerifiedPair) + kEdges +
+            (pair->geometry.inliers.size() + pair->geometry.still.size()) * sizeof(FeatureMatch);
+    return bytes;
+}
+
+Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
+                                        const StageOptions& options) {
+    RestoredSession restored{SessionState(options.solve.mu_min), {}, {}};
+    if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
+    if (const auto done = restore_view_graph(store, options.edges, restored.state); !done.ok())
+        return done.error();
+    if (const auto done = restore_clusters(store, options, restored.state); !done.ok())
+        return done.error();
+    auto scene = store.scene_poses();
+    if (!scene.ok()) return scene.error();
+    const auto summary_text = store.scene_summary_json();
+    if (!summary_text.ok()) return summary_text.error();
+    const auto summary = decode_summary(*summary_text);
+    if (!summary.ok()) return summary.error();
+    restored.state.counts = summary->counts;
+    restored.state.past_events = summary->events;
+    restored.state.scene = std::make_shared<const Scene>(*std::move(scene));
+    return restored;
+}
+
+}  // namespace psfm

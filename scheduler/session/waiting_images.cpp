@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "scheduler/session/session_state.h"
+
+namespace psfm {
+namespace {
+
+/// Inliers of an image's edges, and those of mere turns among them.
+struct Turns {
+    double turns = 0.0;
+    double all = 0.0;
+
+    void add(const ViewGraph& graph, ImageId image) {
+        for (const ViewGraph::Edge& edge : graph.edges(image)) {
+            all += edge.weight;
+            if (edge.pair && edge.pair->geometry.kind == TwoViewKind::kPureRotation)
+                turns += edge.weight;
+        }
+    }
+    bool prevail() const { return turns > 0.5 * all; }
+};
+
+/// Why an image waits that has no edge.
+WaitReason reason_without_edges(const EdgeSelection& selection, ImageId image) {
+    // Pairs that are plausible and no edges rest on what stands still, or are of another place.
+    const bool rests_on_still =
+        !selection.still[index_of(image)].empty() && !selection.edges[index_of(image)].empty();
+    return selection.still_only[index_of(image)] > 0 || rests_on_still ? WaitReason::kStandsStill
+                                                                       : WaitReason::kTooFewMatches;
+}
+
+}  // namespace
+
+std::vector<WeakModel> weak_models(const SessionState& state) {
+    std::vector<WeakModel> weak;
+    for (const auto& [id, entry] : state.clusters.entries()) {
+        const Weaknesses& weaknesses = entry.material_state.weaknesses;
+        if (!entry.model || entry.model->empty() || weaknesses.none()) continue;
+        weak.push_back({id, static_cast<std::uint32_t>(entry.model->images.size()), weaknesses});
+    }
+    return weak;
+}
+
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,
+                                                           std::uint32_t mu_min) {
+    std::vector<std::pair<ImageId, WaitReason>> waiting;
+    for (const auto& [id, entry] : state.clusters.entries()) {
+        const bool unsolved =
+            entry.phase == ClusterPhase::kClean && (!entry.model || entry.model->empty());
+        Turns of_cluster;
+        if (unsolved) {
+            for (const ImageId image : entry.members) of_cluster.add(state.view_graph, image);
+        }
+        for (const ImageId image : state.clusters.unplaced_of(entry)) {
+            if (state.is_removed(image)) continue;
+            WaitReason reason = WaitReason::kSolving;
+            if (state.view_graph.edges(image).empty()) {
+                reason = reason_without_edges(state.edges, image);
+            } else if (unsolved && of_cluster.prevail()) {
+                reason = WaitReason::kNoParallax;
+            } else if (entry.members.size() < mu_min) {
+                reason = WaitReason::kClusterTooSmall;
+            } else if (entry.phase == ClusterPhase::kClean) {
+                reason = unsolved ? WaitReason::kNoSeed : WaitReason::kRegistrationFailed;
+            }
+            waiting.emplace_back(image, reason);
+        }
+    }
+    for (std::uint32_t image = state.verified; image < state.images.size(); ++image) {
+        const auto id = static_cast<ImageId>(image);
+        if (!state.is_removed(id)) waiting.emplace_back(id, WaitReason::kSolving);
+    }
+    std::ranges::sort(waiting);
+    return waiting;
+}
+
+}  // namespace psfm

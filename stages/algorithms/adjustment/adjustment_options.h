@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// How bundle adjustment weighs, and when it stops.
+struct AdjustmentOptions {
+    /// Residuals beyond this many pixels lose weight (soft L1). Higher: outliers pull more; lower:
+    /// slower convergence from a rough start. COLMAP 3.8 uses 1 in local adjustments.
+    double loss_scale_px = 1.0;
+    /// Iterations at most. COLMAP 3.8: 50 for global, 25 for local adjustments.
+    int max_iterations = 50;
+    /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
+    /// accurate.
+    double function_tolerance = 1e-6;
+    /// Memory of the reduced camera system, up to which it is formed point by point and factorised
+    /// by tiles, and nothing else is kept. Empty tiles take none: 3,800 images that all see each
+    /// other have 2 GiB, 3,500 in streets 169 MiB. Lowered: Ceres solves it,
+    /// and takes 1.4 kB an observation. Ours.
+    std::uint32_t max_reduced_mib = 2048;
+    /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
+    /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes
+    /// (docs/accuracy.md): 1 divides the error on Herz-Jesus-P8 by 1.1 and costs 2 % on the others.
+    double sigma_per_scale = 1.0;
+    /// Standard deviation of a principal point from the image's centre, over the longer side, where
+    /// it is free. Higher: scenes that hardly determine it move it far; lower: what lenses really
+    /// have is not found. Ours: the Strecha cameras have 0.007.
+    double principal_point_sigma = 0.005;
+};
+
+Result<void> validate(const AdjustmentOptions& options);
+
+}  // namespace psfm

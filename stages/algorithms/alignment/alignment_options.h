@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "graph/result.h"
+
+namespace psfm {
+
+/// How a similarity between two clusters is found and accepted.
+struct ClusterConstraintOptions {
+    /// A correspondence of 3D points agrees with a similarity when the other cluster's point,
+    /// brought over, projects this close to the own one, in both images of its edge [fraction of
+    /// the longer image side]. Distances in images need no scale of the scene and do not punish
+    /// points for the uncertainty of their depth. Raised: wrong similarities gather inliers.
+    /// Lowered: drift between clusters rejects true ones. Ours: 0.005 is 8 px in 1536.
+    double max_error = 0.005;
+    /// Inliers that one edge's similarity needs. Lowered: chance agreements of look-alikes. Ours.
+    std::uint32_t min_edge_inliers = 8;
+    /// Inliers that the final similarity of two clusters needs. Lowered: joins over thin evidence.
+    /// Ours.
+    std::uint32_t min_pair_inliers = 16;
+    /// Part of the correspondences that must be inliers, of an edge and finally. Ours.
+    double min_inlier_ratio = 0.3;
+    /// Neighbourhood similarity s below which an edge is an outlier (paper: lambda_s).
+    double min_neighborhood_similarity = 0.9;
+    /// So many cameras may change their neighbour in any case. Where two clusters meet, the last
+    /// camera of either may well be nearer to the other's; in clusters of five that alone is s =
+    /// 0.8. Raised: small clusters may interleave. 0: the paper. Ours.
+    std::uint32_t border_cameras = 2;
+    /// Cameras stand beside each other when they are nearer than this part of the depth of what
+    /// they see, and their viewing directions differ by less [deg]. As PlaceOptions. Ours.
+    double companion_offset = 0.25;
+    double companion_turn_deg = 25.0;
+    /// Cameras beside some of another cluster without an edge to any of them, at which the two
+    /// clusters cannot both stand where they do; 0: never, as in the paper. Lowered: a few pairs
+    /// that were not tried keep clusters apart; raised: folds join them. Ours.
+    std::uint32_t min_unmatched_cameras = 5;
+    /// And their part of all that stand beside some of the other cluster, at least. Ours: those
+    /// beside the one facade that two streets have are matched.
+    double max_unmatched_part = 0.2;
+    /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
+    /// slower, linear. Ours: fifty edges fix seven numbers many times over.
+    std::uint32_t max_edges_per_pair = 50;
+    /// Chance of having drawn at least one sample without outliers [0, 1). Raised: slower.
+    double confidence = 0.9999;
+    /// Samples at most, whatever the confidence asks. Lowered: similarities are missed among many
+    /// wrong correspondences. Ours: at min_inlier_ratio 0.3 the confidence asks for 337.
+    std::uint32_t max_ransac_iterations = 1000;
+};
+Result<void> validate(const ClusterConstraintOptions& options);
+
+/// How cluster poses are found from the constraints between pairs.
+struct PoseGraphOptions {
+    /// Residual at which the Huber loss turns linear. A residual of 1 is one radian, a factor e in
+    /// scale, or a shift by the extent of the points that the constraint rests on. Raised: bad
+    /// constraints pull more. Lowered: nearer to L1, slower. Ours.
+    double huber_scale = 0.02;
+    /// Constraints with a larger residual after optimisation are dropped, and the rest optimised
+    /// again; a large value never drops. Lowered: loops that close badly by drift lose a true
+    /// constraint. Ours, not in the paper.
+    double max_residual = 0.3;
+    std::uint32_t max_iterations = 100;  ///< of Levenberg-Marquardt
+};
+Result<void> validate(const PoseGraphOptions& options);
+
+}  // namespace psfm

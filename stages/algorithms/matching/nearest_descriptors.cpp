@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/algorithms/matching/nearest_descriptors.h"
+
+#include <cassert>
+#include <utility>
+
+namespace psfm {
+namespace {
+
+NearestTwo view(NearestArrays& arrays) {
+    return {arrays.best.data(), arrays.second.data(), arrays.index.data()};
+}
+
+}  // namespace
+
+ByteSums sums_of(const std::uint8_t* row) {
+    ByteSums sums;
+    for (std::size_t k = 0; k < Descriptors::kSize; ++k) {
+        sums.sum += row[k];
+        sums.squares += row[k] * row[k];
+    }
+    return sums;
+}
+
+NearestBothWays nearest_both_ways(std::span<const std::uint8_t> rows,
+                                  const PackedDescriptors& columns, DotKernel kernel) {
+    const std::size_t row_count = rows.size() / Descriptors::kSize;
+    const std::size_t column_count = columns.rows;
+    assert(row_count > 0 && column_count > 0);
+    NearestBothWays nearest{std::vector<std::int32_t>(row_count), NearestArrays(row_count),
+                            NearestArrays(column_count)};
+    std::vector<std::int32_t> row_sums(row_count);
+    for (std::size_t i = 0; i < row_count; ++i) {
+        const auto [sum, squares] = sums_of(rows.data() + i * Descriptors::kSize);
+        row_sums[i] = sum;
+        nearest.row_norms[i] = squares;
+    }
+    std::vector<StripKeys> column_keys(strip_count(column_count));
+    std::vector<LaneMinima> column_minima(strip_count(column_count));
+    const DotKernelInput input{.rows = rows.data(),
+                               .row_norms = nearest.row_norms.data(),
+                               .row_sums = row_sums.data(),
+                               .row_count = row_count,
+                               .strips = columns.strips.data(),
+                               .column_norms = columns.norms.data(),
+                               .column_count = column_count};
+    kernel(input, {.of_rows = view(nearest.of_rows),
+                   .of_columns = view(nearest.of_columns),
+                   .column_keys = column_keys.data(),
+                   .column_minima = column_minima.data()});
+    return nearest;
+}
+
+std::vector<std::uint32_t> nearest_descriptors(std::span<const std::uint8_t> rows,
+                                               const PackedDescriptors& others) {
+    if (rows.empty()) return {};
+    const DotKernel kernel = available_dot_kernels().front().kernel;
+    return std::move(nearest_both_ways(rows, others, kernel).of_rows.index);
+}
+
+}  // namespace psfm

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/algorithms/two_view/decompose_two_view.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
+
+namespace psfm {
+namespace {
+
+/// Orthogonal factors with determinant 1 (their sign is free in what follows).
+Eigen::Matrix3d proper(const Eigen::Matrix3d& m) {
+    return m.determinant() < 0 ? Eigen::Matrix3d(-m) : m;
+}
+
+}  // namespace
+
+std::vector<Rigid3> poses_from_essential(const Eigen::Matrix3d& essential) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential,
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Matrix3d u = proper(svd.matrixU());
+    const Eigen::Matrix3d v = proper(svd.matrixV());
+    Eigen::Matrix3d w;
+    w << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+    const Eigen::Quaterniond first(Eigen::Matrix3d(u * w * v.transpose()));
+    const Eigen::Quaterniond second(Eigen::Matrix3d(u * w.transpose() * v.transpose()));
+    const Eigen::Vector3d direction = u.col(2);
+    return {{first, direction}, {first, -direction}, {second, direction}, {second, -direction}};
+}
+
+std::vector<Rigid3> poses_from_homography(const Eigen::Matrix3d& h) {
+    std::vector<Rigid3> poses;
+    try {
+        cv::Mat homography;
+        cv::eigen2cv(h, homography);
+        std::vector<cv::Mat> rotations;
+        std::vector<cv::Mat> translations;
+        std::vector<cv::Mat> normals;
+        cv::decomposeHomographyMat(homography, cv::Mat::eye(3, 3, CV_64F), rotations, translations,
+                                   normals);
+        for (std::size_t i = 0; i < rotations.size(); ++i) {
+            Eigen::Matrix3d rotation;
+            Eigen::Vector3d translation;
+            cv::cv2eigen(rotations[i], rotation);
+            cv::cv2eigen(translations[i], translation);
+            if (!rotation.allFinite() || !translation.allFinite() || translation.norm() < 1e-9)
+                continue;
+            poses.push_back({Eigen::Quaterniond(rotation).normalized(), translation.normalized()});
+        }
+    } catch (const cv::Exception&) {
+        poses.clear();
+    }
+    return poses;
+}
+
+Eigen::Quaterniond rotation_from_homography(const Eigen::Matrix3d& h) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(proper(h),
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return Eigen::Quaterniond(proper(svd.matrixU() * svd.matrixV().transpose())).normalized();
+}
+
+RayMeeting meet(const Rigid3& cam2_from_cam1, const PointPair& points) {
+    const Eigen::Vector3d ray1 = cam2_from_cam1.rotation * points.x1.homogeneous().normalized();
+    const Eigen::Vector3d ray2 = points.x2.homogeneous().normalized();
+    const double along1 = cam2_from_cam1.translation.dot(ray1);
+    const double along2 = cam2_from_cam1.translation.dot(ray2);
+    const double cosine = ray1.dot(ray2);
+    // depth2 ray2 = depth1 ray1 + translation in the least-squares sense; both depths times
+    // sin^2(angle).
+    const double depth1 = cosine * along2 - along1;
+    const double depth2 = along2 - cosine * along1;
+    return {depth1 > 0 && depth2 > 0, std::atan2(ray1.cross(ray2).norm(), cosine)};
+}
+
+bool passes_cheirality(const Rigid3& cam2_from_cam1, const PointPair& points, double slack) {
+    const RayMeeting meeting = meet(cam2_from_cam1, points);
+    return meeting.in_front || meeting.angle < slack;
+}
+
+PoseChoice choose_by_cheirality(std::span<const Rigid3> candidates,
+                                std::span<const PointPair> points) {
+    PoseChoice best{candidates.front(), 0};
+    for (const Rigid3& candidate : candidates) {
+        const auto in_front = static_cast<std::size_t>(std::ranges::count_if(
+            points, [&](const PointPair& p) { return meet(candidate, p).in_front; }));
+        if (in_front > best.in_front) best = {candidate, in_front};
+    }
+    return best;
+}
+
+double median_triangulation_angle_deg(const Rigid3& cam2_from_cam1,
+                                      std::span<const PointPair> points) {
+    if (points.empty()) return 0.0;
+    std::vector<double> angles;
+    angles.reserve(points.size());
+    for (const PointPair& p : points) angles.push_back(meet(cam2_from_cam1, p).angle);
+    const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+    std::ranges::nth_element(angles, middle);
+    return *middle * 180.0 / std::numbers::pi;
+}
+
+}  // namespace psfm

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/features/sift/describe_place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <opencv2/core/hal/hal.hpp>
+
+namespace psfm {
+namespace {
+
+constexpr int kOrientationBins = 36;
+/// Widths of the windows over sigma, as Lowe 2004 and OpenCV 4.6 have them.
+constexpr float kOrientationSigma = 1.5F;
+constexpr float kOrientationRadius = 3.F * kOrientationSigma;
+constexpr float kPeakShare = 0.8F;
+constexpr int kCells = 4;
+constexpr int kDirections = 8;
+constexpr float kCellWidth = 3.F;
+constexpr float kLargestValue = 0.2F;
+constexpr float kFullTurn = 2.F * std::numbers::pi_v<float>;
+
+/// Largest sigma of a place in its octave: half a layer above the last that extrema are looked for
+/// in.
+double largest_sigma(const SiftOptions& options) {
+    return options.sigma * std::pow(2.0, (options.octave_layers + 0.5) / options.octave_layers);
+}
+
+int descriptor_radius(double sigma) {
+    return static_cast<int>(
+        std::lround(kCellWidth * sigma * std::numbers::sqrt2 * 0.5 * (kCells + 1)));
+}
+
+}  // namespace
+
+int reach_to_describe(const SiftOptions& options) {
+    // One for the gradient, one for the place's own row, half a pixel of refinement.
+    return descriptor_radius(largest_sigma(options)) + 3;
+}
+
+void PlaceDescriber::Gradients::clear() {
+    for (std::vector<float>* values : {&dx, &dy, &weight, &row_bin, &column_bin}) values->clear();
+}
+
+void PlaceDescriber::Gradients::find_polar() {
+    angle.resize(dx.size());
+    length.resize(dx.size());
+    const int size = static_cast<int>(dx.size());
+    if (size == 0) return;
+    cv::hal::exp32f(weight.data(), weight.data(), size);
+    cv::hal::fastAtan32f(dy.data(), dx.data(), angle.data(), size, true);  // degrees
+    cv::hal::magnitude32f(dx.data(), dy.data(), length.data(), size);
+}
+
+std::span<const float> PlaceDescriber::orientations(const OctaveStrip& strip,
+                                                    const SiftPlace& place,
+                                                    const SiftOptions& options) {
+    const cv::Mat& image = strip.layers[static_cast<std::size_t>(place.layer)];
+    const int centre_x = static_cast<int>(std::lround(place.column));
+    const int centre_y = static_cast<int>(std::lround(place.row)) - strip.first_row;
+    const int radius = static_cast<int>(std::lround(kOrientationRadius * place.sigma));
+    const float window = kOrientationSigma * place.sigma;
+    const float factor = -0.5F / (window * window);
+    gradients_.clear();
+    for (int i = -radius; i <= radius; ++i) {
+        const int y = centre_y + i;
+        if (y <= 0 || y >= image.rows - 1) continue;
+        const auto* above = image.ptr<float>(y - 1);
+        const auto* line = image.ptr<float>(y);
+        const auto* below = image.ptr<float>(y + 1);
+        for (int x = std::max(1, centre_x - radius);
+             x <= std::min(image.cols - 2, centre_x + radius); ++x) {
+            const int j = x - centre_x;
+            gradients_.dx.push_back(line[x + 1] - line[x - 1]);
+            gradients_.dy.push_back(below[x] - above[x]);
+            gradients_.weight.push_back(static_cast<float>(i * i + j * j) * factor);
+        }
+    }
+    gradients_.find_polar();
+    std::array<float, kOrientationBins> raw{};
+    for (std::size_t k = 0; k < gradients_.angle.size(); ++k) {
+        auto bin = static_cast<int>(std::lround(gradients_.angle[k] * (kOrientationBins / 360.F)));
+        bin %= kOrientationBins;
+        raw[static_cast<std::size_t>(bin)] += gradients_.weight[k] * gradients_.length[k];
+    }
+    const auto of = [&](const std::array<float, kOrientationBins>& values, int bin) {
+        return values[static_cast<std::size_t>((bin + kOrientationBins) % kOrientationBins)];
+    };
+    std::array<float, kOrientationBins> smooth{};
+    for (int bin = 0; bin < kOrientationBins; ++bin) {
+        smooth[static_cast<std::size_t>(bin)] = (of(raw, bin - 2) + of(raw, bin + 2)) / 16.F +
+                                                (of(raw, bin - 1) + of(raw, bin + 1)) / 4.F +
+                                                of(raw, bin) * 6.F / 16.F;
+    }
+    const float limit = kPeakShare * *std::ranges::max_element(smooth);
+    std::vector<std::pair<float, float>> peaks;
+    for (int bin = 0; bin < kOrientationBins; ++bin) {
+        const float value = of(smooth, bin);
+        const float left = of(smooth, bin - 1);
+        const float right = of(smooth, bin + 1);
+        if (value < limit || value <= left || value <= right) continue;
+        const float exact =
+            static_cast<float>(bin) + 0.5F * (left - right) / (left - 2.F * value + right);
+        float angle = exact * kFullTurn / kOrientationBins;
+        if (angle < 0.F) angle += kFullTurn;
+        if (angle >= kFullTurn) angle -= kFullTurn;
+        peaks.emplace_back(-value, angle);
+    }
+    std::ranges::sort(peaks);
+    if (peaks.size() > options.max_orientations) peaks.resize(options.max_orientations);
+    directions_.clear();
+    for (const auto& peak : peaks) directions_.push_back(peak.second);
+    return directions_;
+}
+
+std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
+                                                       const SiftPlace& place, float orientation) {
+    const cv::Mat& image = strip.layers[static_cast<std::size_t>(place.layer)];
+    const float centre_x = place.column;
+    const float centre_y = place.row - static_cast<float>(strip.first_row);
+    const int radius = descriptor_radius(place.sigma);
+    const float cosine = std::cos(orientation) / (kCellWidth * place.sigma);
+    const float sine = std::sin(orientation) / (kCellWidth * place.sigma);
+    constexpr float kHalf = 0.5F * kCells;
+    constexpr float kWindow = -1.F / (0.5F * kCells * kCells);
+    const int first_y = std::max(1, static_cast<int>(std::lround(centre_y)) - radius);
+    const int last_y = std::min(image.rows - 2, static_cast<int>(std::lround(centre_y)) + radius);
+    const int first_x = std::max(1, static_cast<int>(std::lround(centre_x)) - radius);
+    const int last_x = std::min(image.cols - 2, static_cast<int>(std::lround(centre_x)) + radius);
+    gradients_.clear();
+    for (int y = first_y; y <= last_y; ++y) {
+        const auto* above = image.ptr<float>(y - 1);
+        const auto* line = image.ptr<float>(y);
+        const auto* below = image.ptr<float>(y + 1);
+        const float dy = static_cast<float>(y) - centre_y;
+        for (int x = first_x; x <= last_x; ++x) {
+            const float dx = static_cast<float>(x) - centre_x;
+            // Turned back by the orientation, in cells.
+            const float u = cosine * dx + sine * dy;
+            const float v = cosine * dy - sine * dx;
+            if (std::abs(u) >= kHalf + 0.5F || std::abs(v) >= kHalf + 0.5F) continue;
+            gradients_.dx.push_back(line[x + 1] - line[x - 1]);
+            gradients_.dy.push_back(below[x] - above[x]);
+            gradients_.weight.push_back((u * u + v * v) * kWindow);
+            gradients_.column_bin.push_back(u + kHalf - 0.5F);
+            gradients_.row_bin.push_back(v + kHalf - 0.5F);
+        }
+    }
+    gradients_.find_polar();
+
+    // A cell more on either side, and a direction more, take what falls beyond.
+    constexpr int kRowStep = (kCells + 2) * (kDirections + 1);
+    constexpr int kColumnStep = kDirections + 1;
+    std::array<float, static_cast<std::size_t>((kCells + 2) * kRowStep)> histogram{};
+    const float turn = orientation * kDirections / kFullTurn;
+    for (std::size_t k = 0; k < gradients_.angle.size(); ++k) {
+        const float row = gradients_.row_bin[k] + 1.F;  // above 0
+        const float column = gradients_.column_bin[k] + 1.F;
+        // Counter-clockwise from the orientation, as OpenCV's descriptors have them.
+        float direction = turn - gradients_.angle[k] * (kDirections / 360.F);
+        if (direction < 0.F) direction += kDirections;
+        if (direction >= kDirections) direction -= kDirections;
+        // What lies just below kCells + 1 may be rounded up to it.
+        const int row0 = std::min(static_cast<int>(row), kCells);
+        const int column0 = std::min(static_cast<int>(column), kCells);
+        const int direction0 = std::min(static_cast<int>(direction), kDirections - 1);
+        const float dr = row - static_cast<float>(row0);
+        const float dc = column - static_cast<float>(column0);
+        const float dd = direction - static_cast<float>(direction0);
+        const float value = gradients_.weight[k] * gradients_.length[k];
+        float* cell = histogram.data() + row0 * kRowStep + column0 * kColumnStep + direction0;
+        const float lower = value * (1.F - dr);
+        const float upper = value * dr;
+        for (const auto& [share, at] :
+             {std::pair(lower * (1.F - dc), cell), std::pair(lower * dc, cell + kColumnStep),
+              std::pair(upper * (1.F - dc), cell + kRowStep),
+              std::pair(upper * dc, cell + kRowStep + kColumnStep)}) {
+            at[0] += share * (1.F - dd);
+            at[1] += share * dd;
+        }
+    }
+    auto* next = values_.data();
+    float squares = 0.F;
+    for (int row = 1; row <= kCells; ++row) {
+        for (int column = 1; column <= kCells; ++column) {
+            float* cell = histogram.data() + row * kRowStep + column * kColumnStep;
+            cell[0] += cell[kDirections];
+            for (int k = 0; k < kDirections; ++k) {
+                *next++ = cell[k];
+                squares += cell[k] * cell[k];
+            }
+        }
+    }
+    const float largest = kLargestValue * std::sqrt(squares);
+    float clamped = 0.F;
+    for (float& value : values_) {
+        value = std::min(value, largest);
+        clamped += value * value;
+    }
+    const float scale = 1.F / std::max(std::sqrt(clamped), 1e-12F);
+    for (float& value : values_) value *= scale;
+    return values_;
+}
+
+}  // namespace psfm

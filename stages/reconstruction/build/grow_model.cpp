@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/build/grow_model.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <span>
+
+#include "stages/reconstruction/build/refine_model.h"
+#include "stages/reconstruction/model/cancelled.h"
+
+namespace psfm {
+namespace {
+
+using Feature = WorkingModel::Feature;
+
+/// The unregistered image that sees the model best, among those that see more than at their last
+/// try.
+std::optional<std::uint32_t> next_image(const WorkingModel& model,
+                                        const std::vector<std::uint32_t>& points_at_last_try,
+                                        std::uint32_t min_points) {
+    std::optional<std::uint32_t> best;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image)) continue;
+        const std::uint32_t visible = model.visible_points(image);
+        // Twenty per cent more points are worth another try.
+        if (visible < min_points || 5 * visible < 6 * points_at_last_try[image]) continue;
+        if (!best || model.visible_score(image) > model.visible_score(*best)) best = image;
+    }
+    return best;
+}
+
+bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
+    const Camera& camera = model.camera(image);
+    if (camera.focal_source != FocalSource::kUnknown || model.is_held(model.camera_id(image)))
+        return true;
+    for (std::uint32_t other = 0; other < model.image_count(); ++other) {
+        if (model.registered(other) &&
+            model.lens_of(model.camera_id(other)) == model.lens_of(model.camera_id(image)))
+            return true;
+    }
+    return false;
+}
+
+/// Pose from the points that the image's features are matched with.
+bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
+                    const SolveOptions& options) {
+    std::vector<Feature> features;
+    std::vector<std::uint32_t> points;
+    std::vector<Eigen::Vector2d> pixels;
+    std::vector<Eigen::Vector3d> positions;
+    for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
+        const Feature feature{image, index};
+        const std::size_t first = points.size();
+        for (const Feature& match : model.matches().matches(feature)) {
+            const std::uint32_t point = model.point_of(match);
+            if (point == WorkingModel::kNoPoint) continue;
+            if (std::find(points.begin() + static_cast<std::ptrdiff_t>(first), points.end(),
+                          point) != points.end())
+                continue;
+            features.push_back(feature);
+            points.push_back(point);
+            pixels.push_back(model.pixel(feature));
+            positions.push_back(model.points()[point].position);
+        }
+    }
+    const bool refine_focal = !problem.fix_intrinsics && !camera_is_settled(model, image);
+    const std::uint64_t seed = problem.seed ^ problem.images[image].content_hash;
+    const auto pose = estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal,
+                                             options.absolute_pose, seed);
+    if (!pose.ok()) return false;
+    if (refine_focal) {
+        model.mutable_camera(model.camera_id(image)) = pose->camera;
+        model.share_lens(model.camera_id(image));
+    }
+    model.set_pose(image, pose->cam_from_world);
+    for (const std::uint32_t inlier : pose->inliers) {
+        if (model.point_of(features[inlier]) == WorkingModel::kNoPoint) {
+            model.add_observation(points[inlier], features[inlier]);
+        }
+    }
+    return true;
+}
+
+/// Structure around a newly registered image. @return whether the image keeps enough observations
+bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
+                  const SolveOptions& options, SolveStatistics& statistics) {
+    statistics.local_adjustments +=
+        refine_locally(model, std::span(&image, 1), problem.fix_intrinsics, options);
+    std::uint32_t observations = 0;
+    for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
+        if (model.point_of({image, index}) != WorkingModel::kNoPoint) ++observations;
+    }
+    if (observations >= options.absolute_pose.min_inliers) return true;
+    model.remove_image(image);
+    return false;
+}
+
+}  // namespace
+
+Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
+                        const SolveOptions& options, const std::atomic<bool>* cancel,
+                        SolveState& state, SolveStatistics& statistics, std::uint32_t at_most) {
+    std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
+    const std::uint32_t before = statistics.registered;
+    while (statistics.registered - before < at_most) {
+        const auto image = next_image(model, points_at_last_try, options.absolute_pose.min_inliers);
+        if (!image) break;
+        if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
+        points_at_last_try[*image] = model.visible_points(*image);
+        if (!register_image(model, *image, problem, options)) continue;
+        if (!settle_image(model, *image, problem, options, statistics)) continue;
+        ++statistics.registered;
+        const double grown =
+            static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;
+        if (grown > options.eta_grow * static_cast<double>(state.images_at_full_adjustment)) {
+            const auto adjustments = refine_grown(model, static_cast<std::uint32_t>(grown),
+                                                  problem.fix_intrinsics, options, cancel);
+            if (!adjustments.ok()) return adjustments.error();
+            statistics.full_adjustments += *adjustments;
+            state.images_at_full_adjustment = model.registered_count();
+        }
+    }
+    return {};
+}
+
+}  // namespace psfm

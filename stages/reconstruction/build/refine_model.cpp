@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/build/refine_model.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "stages/reconstruction/adjust/thin_points.h"
+#include "stages/reconstruction/model/tracks.h"
+
+namespace psfm {
+namespace {
+
+/// Images from which focal lengths are adjusted: two views hardly determine them.
+constexpr std::uint32_t kImagesForIntrinsics = 3;
+
+/// Of the points that one of the images sees; of all points, when there are none.
+std::size_t observation_count(const WorkingModel& model, std::span<const std::uint32_t> images) {
+    std::size_t count = 0;
+    for (const std::uint32_t point : points_seen_by(model, images))
+        count += model.points()[point].track.size();
+    return count;
+}
+
+/// Cameras that at least so many registered images share, ascending; given ones keep their
+/// principal point, and so do those of turned photographs, which only share the lens.
+std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32_t images) {
+    std::map<CameraId, std::uint32_t> counts;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image)) ++counts[model.camera_id(image)];
+    }
+    std::vector<CameraId> cameras;
+    for (const auto& [camera, count] : counts) {
+        if (count >= images && !model.has_twin(camera) &&
+            model.cameras().at(camera).focal_source != FocalSource::kGiven)
+            cameras.push_back(camera);
+    }
+    return cameras;
+}
+
+/// Ascending.
+std::vector<std::uint32_t> registered_images(const WorkingModel& model) {
+    std::vector<std::uint32_t> images;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image)) images.push_back(image);
+    }
+    return images;
+}
+
+/// The images, and all that share so many points with them that they hold each other; ascending.
+std::vector<std::uint32_t> with_neighbors(const WorkingModel& model,
+                                          const std::vector<std::uint32_t>& images) {
+    constexpr std::uint32_t kSharedPoints = 15;  // what a pose is taken from at least
+    std::vector<std::uint32_t> shared(model.image_count(), 0);
+    for (const std::uint32_t point : points_seen_by(model, images)) {
+        for (const WorkingModel::Feature& feature : model.points()[point].track)
+            ++shared[feature.image];
+    }
+    for (const std::uint32_t image : images) shared[image] = kSharedPoints;
+    std::vector<std::uint32_t> region;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image) && shared[image] >= kSharedPoints) region.push_back(image);
+    }
+    return region;
+}
+
+/// The scope of one round: all of the model when no region is given.
+AdjustmentScope scope_of(const WorkingModel& model, std::span<const std::uint32_t> region,
+                         bool free_intrinsics, const RefinementOptions& refinement) {
+    AdjustmentScope scope = region.empty() ? full_scope(model, free_intrinsics)
+                                           : region_scope(model, region, free_intrinsics);
+    if (region.empty() && free_intrinsics && refinement.images_for_principal_point > 0) {
+        scope.free_principal_points =
+            cameras_with_images(model, refinement.images_for_principal_point);
+    }
+    const bool thin =
+        refinement.points_per_image > 0 && model.registered_count() >= refinement.thin_from_images;
+    if (thin) scope.points = covering_points(model, region, refinement.points_per_image);
+    return scope;
+}
+
+/// Adjusts a region of the model, or all of it when none is given.
+Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_t>& region,
+                             bool fix_intrinsics, const RefinementOptions& refinement,
+                             const SolveOptions& options, const std::atomic<bool>* cancel) {
+    std::uint32_t adjustments = 0;
+    for (int round = 0; round < refinement.max_rounds; ++round) {
+        std::size_t changed = complete_tracks(model, region, options.tracks);
+        changed += merge_tracks(model, region, options.tracks);
+        for (const std::uint32_t image : region.empty() ? registered_images(model) : region)
+            changed += triangulate_image(model, image, options.tracks);
+        const bool free_intrinsics =
+            !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
+        const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
+        // Half a megabyte an image, which is not looked at before the next round.
+        model.matches().forget();
+        const auto report = adjust(model, scope, refinement.adjustment, cancel);
+        if (!report.ok()) return report.error();
+        ++adjustments;
+        if (scope.points) {
+            std::vector<std::uint32_t> others;
+            std::ranges::set_difference(points_seen_by(model, region), *scope.points,
+                                        std::back_inserter(others));
+            refine_points(model, others, refinement.adjustment);
+        }
+        changed += filter_tracks(model, region, options.tracks);
+        // A region is chosen anew where one of its images is gone.
+        if (remove_weak_images(model, options) > 0 && !region.empty()) break;
+        if (static_cast<double>(changed) <
+            refinement.max_change * static_cast<double>(observation_count(model, region)))
+            break;
+    }
+    return adjustments;
+}
+
+}  // namespace
+
+std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& options) {
+    std::uint32_t removed = 0;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (!model.registered(image)) continue;
+        std::uint32_t observations = 0;
+        for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
+            if (model.point_of({image, feature}) != WorkingModel::kNoPoint) ++observations;
+        }
+        if (observations >= options.min_observations) continue;
+        model.remove_image(image);
+        ++removed;
+    }
+    return removed;
+}
+
+Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
+                                   const RefinementOptions& refinement, const SolveOptions& options,
+                                   const std::atomic<bool>* cancel) {
+    return refine(model, {}, fix_intrinsics, refinement, options, cancel);
+}
+
+Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
+                                           const SolveOptions& options,
+                                           const std::atomic<bool>* cancel) {
+    const bool is_large = model.registered_count() > options.converge_up_to;
+    return refine_model(model, fix_intrinsics, is_large ? options.large_growth : options.growth,
+                        options, cancel);
+}
+
+Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
+                                    std::size_t at_least, bool fix_intrinsics,
+                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
+    std::erase_if(images, [&](std::uint32_t image) { return !model.registered(image); });
+    if (images.empty()) return 0U;
+    std::vector<std::uint32_t> region = with_neighbors(model, images);
+    for (std::size_t before = 0; region.size() < at_least && before < region.size();) {
+        before = region.size();
+        region = with_neighbors(model, region);
+    }
+    // The others hold the gauge.
+    const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
+    if (is_most) region.clear();
+    return refine(model, region, fix_intrinsics, options.large_growth, options, cancel);
+}
+
+Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
+                                    std::span<const std::uint32_t> joint, bool fix_intrinsics,
+                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
+    if (model.registered_count() <= options.adjust_all_up_to)
+        return refine_changed_model(model, fix_intrinsics, options, cancel);
+    std::vector<std::uint32_t> images;
+    std::ranges::set_union(joined, joint, std::back_inserter(images));
+    const std::size_t at_least = joined.size() + options.images_around_joint;
+    return refine_around(model, std::move(images), at_least, fix_intrinsics, options, cancel);
+}
+
+std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::uint32_t> joined,
+                                    bool fix_intrinsics, const SolveOptions& options) {
+    complete_tracks(model, joined, options.tracks);
+    merge_tracks(model, joined, options.tracks);
+    return refine_locally(model, joined, fix_intrinsics, options);
+}
+
+Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
+                                   const SolveOptions& options, const std::atomic<bool>* cancel) {
+    if (model.registered_count() <= options.adjust_all_up_to)
+        return refine_changed_model(model, fix_intrinsics, options, cancel);
+    std::vector<std::uint32_t> newest = registered_images(model);
+    newest.erase(newest.begin(),
+                 newest.end() - std::min<std::ptrdiff_t>(grown, std::ssize(newest)));
+    return refine_around(model, std::move(newest), 0, fix_intrinsics, options, cancel);
+}
+
+std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
+                             bool fix_intrinsics, const SolveOptions& options) {
+    const auto triangulate_all = [&] {
+        for (const std::uint32_t image : images) triangulate_image(model, image, options.tracks);
+    };
+    triangulate_all();
+    std::uint32_t adjustments = 0;
+    // The second pass works on what the first has filtered (COLMAP's mapper does likewise).
+    for (int pass = 0; pass < 2; ++pass) {
+        const AdjustmentScope scope =
+            local_scope(model, images, options.local_neighbors, !fix_intrinsics);
+        if (!adjust(model, scope, options.local_adjustment).ok()) break;
+        ++adjustments;
+        if (filter_tracks(model, scope.free_images, options.tracks) < 10) break;
+        triangulate_all();
+    }
+    return adjustments;
+}
+
+}  // namespace psfm

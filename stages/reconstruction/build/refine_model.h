@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "graph/result.h"
+#include "stages/reconstruction/model/solve_options.h"
+#include "stages/reconstruction/model/working_model.h"
+
+namespace psfm {
+
+/// Adjusts all of a model: completes and joins tracks, adjusts, filters, and again until little
+/// changes; takes out images that are left with too few observations.
+/// @param cancel  asked before each step of an adjustment; may be null
+/// @return bundle adjustments done
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
+                                   const RefinementOptions& refinement, const SolveOptions& options,
+                                   const std::atomic<bool>* cancel = nullptr);
+
+/// The same after much of a model has changed: to convergence (`growth`) or, of more than
+/// `converge_up_to`, in the few steps of `large_growth`.
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
+                                           const SolveOptions& options,
+                                           const std::atomic<bool>* cancel = nullptr);
+
+/// The same, roughly (`large_growth`), of some images, of all who share points with them, and so on
+/// until there are so many; the rest of the model holds the gauge. All of it is adjusted when that
+/// would be most of it.
+/// @param images  ascending; those that are not registered do not count
+/// @param cancel  as above
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
+                                    std::size_t at_least, bool fix_intrinsics,
+                                    const SolveOptions& options,
+                                    const std::atomic<bool>* cancel = nullptr);
+
+/// Adjusts a model that others were joined to: all of it (refine_changed_model) or, of more than
+/// `adjust_all_up_to`, the joined images and the first model around the joint, whose far end holds
+/// the gauge: a part that was moved by a similarity is not held by anything else, and finds its
+/// place as a whole.
+/// @param joined  images of the models that were joined to the first, ascending
+/// @param joint  ends of edges between the models, ascending
+/// @param cancel  as above
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
+                                    std::span<const std::uint32_t> joint, bool fix_intrinsics,
+                                    const SolveOptions& options,
+                                    const std::atomic<bool>* cancel = nullptr);
+
+/// Makes one of the tracks that small models and the one that they were joined to have apart, and
+/// adjusts the joined images with their neighbours (refine_locally).
+/// @param joined  as above
+/// @return bundle adjustments done
+std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::uint32_t> joined,
+                                    bool fix_intrinsics, const SolveOptions& options);
+
+/// Adjusts a model that has grown by so many images since the last time: all of it, as in the
+/// paper, or as above; of more than `adjust_all_up_to`, the images that came last, with their
+/// neighbours.
+/// @param cancel  as above
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
+                                   const SolveOptions& options,
+                                   const std::atomic<bool>* cancel = nullptr);
+
+/// Adjusts images and their surroundings: creates and continues their points, adjusts them with the
+/// neighbours that share most points with them, filters, and once more where much was filtered.
+/// @param images  ascending
+/// @return bundle adjustments done
+std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
+                             bool fix_intrinsics, const SolveOptions& options);
+
+/// Registered images with fewer observations than the options ask for are taken out of the model.
+/// @return how many
+std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& options);
+
+}  // namespace psfm

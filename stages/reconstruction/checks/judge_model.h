@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "graph/reconstruction.h"
+#include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/solve_options.h"
+
+// When a recycled model is doubted, and whether a new one takes its place.
+
+namespace psfm {
+
+/// One finished model of a cluster.
+struct SolveAttempt {
+    Reconstruction model;
+    std::optional<Succession> succession;  ///< of the model, where there is one
+    SolveState state;
+    SolveStatistics statistics;
+    Contradiction contradiction;
+    /// Of the model, where they have been looked for already.
+    std::optional<std::vector<std::vector<ImageId>>> places;
+};
+
+/// Whether a large model has hardly changed since it was asked for places: the next change may ask.
+bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options);
+
+/// Whether a model that was recycled contradicts the averaged rotations, and something is to be
+/// done about it (paper sec. "Detection of Bad Configurations"). One that has been looked at before
+/// has to have become worse, or larger by a quarter (ours): else an ambiguous cluster would be
+/// solved new with every image. Or it settles, for which that was put off.
+bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
+                          const SolveState& state, bool settle, const SolveOptions& options);
+
+/// Whether a recycled model is to be compared with a new one, and why: it is a bad configuration,
+/// or it leaves out more than a quarter of a cluster that has grown since it was started (ours).
+std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
+                                             const ClusterProblem& problem,
+                                             const SolveOptions& options);
+
+/// Whether the new model waits until the old one settles (ours): to start a cluster of more images
+/// than `adjust_all_up_to` takes minutes, for which images would wait, and hardly an edge of it
+/// contradicts.
+bool is_put_off(const SolveAttempt& attempt, const ClusterProblem& problem, Reset::Reason reason,
+                const SolveOptions& options);
+
+/// Whether a new model is the better one. In place of a bad one: a smaller part of its edges
+/// contradicts, and it explains not much less; when the averaged rotations are wrong, what is built
+/// on them agrees with them and loses its structure. In place of a stuck one: it is larger, and
+/// hardly an edge contradicts (ours).
+bool is_better(const SolveAttempt& fresh, const SolveAttempt& old, Reset::Reason reason,
+               const SolveOptions& options);
+
+}  // namespace psfm

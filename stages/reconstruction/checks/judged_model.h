@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "graph/two_view_geometry.h"
+#include "stages/reconstruction/checks/judge_model.h"
+#include "stages/reconstruction/checks/missing_regions.h"
+#include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/solve_options.h"
+
+namespace psfm {
+
+/// What speaks for a model and against it.
+struct ModelScore {
+    std::uint32_t images = 0;
+    std::uint32_t observations = 0;  ///< within one place each, where the model shows several
+    std::uint32_t regions = 0;       ///< compared (compare_by_region)
+    std::uint32_t missing = 0;
+    std::uint32_t contradicting = 0;  ///< pairs
+    std::uint32_t denied = 0;         ///< strong edges of which the model explains next to nothing
+
+    double missing_part() const {
+        return static_cast<double>(missing) / (regions > 0 ? regions : 1);
+    }
+    bool operator==(const ModelScore&) const = default;
+};
+
+/// Whether one model is to take the place of another: it places as many images, and clearly less is
+/// missing from it; or no more is missing, and it explains more.
+bool is_better(const ModelScore& other, const ModelScore& best);
+
+/// A pair between two images of a model.
+struct ModelEdge {
+    std::uint32_t first = 0;  ///< positions in the model
+    std::uint32_t second = 0;
+    VerifiedPairPtr pair;
+    double explained = 0.0;  ///< part of its matches that the model has in common points
+    double relative = 0.0;   ///< its matches over those of the best pair of either image
+    double weight = 0.0;     ///< its matches, less where regions are missing between its images
+    bool is_weak = false;
+
+    bool is_explained() const;
+    /// A weak edge is none to deny.
+    bool is_denied() const;
+};
+
+/// The edges of a cluster between images of its model, weak ones last. @param compared  of the
+/// model
+std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProblem& problem,
+                                const std::vector<ComparedPair>& compared);
+
+/// A model with what is known of it.
+struct Judged {
+    SolveAttempt attempt;
+    ModelScore score;
+    std::vector<ComparedPair> compared;
+    std::vector<ModelEdge> edges;
+};
+
+/// Asks the model for places, too, where that has not been done.
+Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOptions& options);
+
+/// Whether another model is to be looked for.
+bool is_doubted(const Judged& judged);
+
+}  // namespace psfm

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/model/solve_options.h"
+
+namespace psfm {
+
+Result<void> validate(const GlobalOptions& options) {
+    for (const Result<void>& part : {validate(options.directions), validate(options.positions),
+                                     validate(options.adjustment)}) {
+        if (!part.ok()) return part;
+    }
+    if (!(options.track_weight > 0) || !(options.start_error_px > 0) ||
+        options.calibration_images < 2 || options.adjusted_tracks_per_image == 0 ||
+        !(options.round_tolerance > 0)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "global reconstruction: track_weight, start_error_px, round_tolerance and "
+                     "adjusted_tracks_per_image must be positive, calibration_images 2 at least"};
+    }
+    return {};
+}
+
+Result<void> validate(const SolveOptions& options) {
+    for (const Result<void>& part :
+         {validate(options.absolute_pose), validate(options.tracks),
+          validate(options.local_adjustment), validate(options.growth.adjustment),
+          validate(options.large_growth.adjustment), validate(options.settling.adjustment),
+          validate(options.rotation_averaging), validate(options.global), validate(options.places),
+          validate(options.loops), validate(options.ties), validate(options.assessment),
+          validate(options.doubt)}) {
+        if (!part.ok()) return part;
+    }
+    if (options.mu_min < 2)
+        return Error{ErrorCode::kInvalidArgument, "a cluster to be solved has at least 2 images"};
+    if (!(options.max_edge_error_deg > 0) || !(options.eta_grow > 0)) {
+        return Error{ErrorCode::kInvalidArgument, "rho_g,max and eta_grow must be positive"};
+    }
+    if (options.plausibility) {
+        if (auto valid = validate(*options.plausibility); !valid) return valid;
+    }
+    if (!(options.max_reset_images >= 0) || !(options.max_contradicting_edges >= 0)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "max_reset_images and max_contradicting_edges are parts of a whole, not "
+                     "negative"};
+    }
+    if (options.initialization.max_pairs == 0 || options.growth.max_rounds < 1 ||
+        options.large_growth.max_rounds < 1 || options.settling.max_rounds < 1) {
+        return Error{ErrorCode::kInvalidArgument, "pairs and rounds must be at least 1"};
+    }
+    return {};
+}
+
+}  // namespace psfm

@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "graph/result.h"
+#include "stages/algorithms/adjustment/adjustment_options.h"
+#include "stages/algorithms/alignment/alignment_options.h"
+#include "stages/algorithms/averaging/average_positions.h"
+#include "stages/algorithms/averaging/average_rotations.h"
+#include "stages/algorithms/averaging/filter_directions.h"
+#include "stages/algorithms/focal/calibrate_focals.h"
+#include "stages/algorithms/pose/absolute_pose.h"
+#include "stages/clustering/plausibility.h"
+#include "stages/reconstruction/model/assessment_options.h"
+#include "stages/reconstruction/model/doubt_options.h"
+#include "stages/reconstruction/model/estimate_point.h"
+#include "stages/reconstruction/model/loop_options.h"
+#include "stages/reconstruction/model/place_options.h"
+#include "stages/reconstruction/model/tie_options.h"
+#include "stages/verification/verify_options.h"
+
+namespace psfm {
+
+/// Starting a model from two views.
+struct InitializationOptions {
+    /// Points that the two-view model must have. Lower: starts from weaker pairs. COLMAP 3.8's
+    /// init_min_num_inliers is 100; ours, since mu_min images with few matches must still make a
+    /// model.
+    std::uint32_t min_points = 50;
+    /// Median triangulation angle at least [deg]; halved three times when no pair has it.
+    /// COLMAP 3.8: 16.
+    double min_angle_deg = 16.0;
+    /// Pairs tried at most for one start. Ours.
+    std::uint32_t max_pairs = 30;
+};
+
+/// Adjusting all of a model.
+struct RefinementOptions {
+    AdjustmentOptions adjustment{
+        .loss_scale_px = 1.0, .max_iterations = 50, .function_tolerance = 1e-6};
+    /// Rounds of completing tracks, adjusting and filtering at most. COLMAP 3.8: 5.
+    int max_rounds = 5;
+    /// A round that changes a smaller part of the observations is the last. COLMAP 3.8: 0.0005.
+    double max_change = 0.0005;
+    /// Images that must share a camera for its principal point to be adjusted; 0: never. Fewer:
+    /// weak geometry moves it. COLMAP 3.8 never adjusts it by default; ours: on Strecha's scenes
+    /// with unknown intrinsics it divides the error by two to three (docs/accuracy.md).
+    std::uint32_t images_for_principal_point = 0;
+    /// Points that are adjusted together with the cameras, about so many seen by each image; the
+    /// others follow the cameras by themselves. 0: all. Lowered: faster, less memory, less
+    /// accurate. Ours (docs/accuracy.md).
+    std::uint32_t points_per_image = 0;
+    /// Images from which points are thinned so. Ours: small models are adjusted soon enough, and
+    /// settled models of common size keep all they have.
+    std::uint32_t thin_from_images = 20;
+};
+
+/// Starting a model with all images at once.
+struct GlobalOptions {
+    /// Images of a small model from which the intrinsics of shared cameras are had beforehand.
+    /// Raised: slower; lowered: intrinsics less well determined. Ours.
+    std::uint32_t calibration_images = 20;
+    /// Images of one camera that such a model must have. Lowered: cameras are taken for calibrated
+    /// that are not; raised: cameras of few images are not. Ours.
+    std::uint32_t images_to_calibrate = 6;
+    /// Linearisations of reweighted least squares that refine the averaged rotations. Lowered:
+    /// rotations, and with them directions, less accurate. Ours.
+    std::uint32_t rotation_refinements = 20;
+    /// Feature tracks that join the images as nodes, about so many seen by each image; 0: none.
+    /// Raised: slower; lowered: less accurate, and without any, cameras on a line are not placed.
+    /// Wilson & Snavely 2014 use such a cover; the number is ours, tuned on the temple
+    /// (docs/accuracy.md).
+    std::uint32_t tracks_per_image = 100;
+    /// Weight of a direction from an image to a point; that of a pair is 1. Raised: wrong matches
+    /// pull more; lowered: wrong pairs do. Ours: 0.03 to 1 give the same on the temple.
+    double track_weight = 0.1;
+    DirectionFilterOptions directions;
+    PositionAveragingOptions positions;
+    /// Reprojection error of an observation at most in the first round [px], halved in each of the
+    /// next down to that of `tracks`. Lowered: rough positions find no structure; raised: more
+    /// rounds, and wrong matches in the first ones. Ours.
+    double start_error_px = 32.0;
+    /// Tracks that are adjusted in these rounds, about so many seen by each image; then all are.
+    /// Raised: slower; lowered: intrinsics less well determined. Ours.
+    std::uint32_t adjusted_tracks_per_image = 200;
+    /// Of the last of these rounds. Much is wrong at first: intrinsics, and with them rotations,
+    /// along directions in which the error hardly changes. Iterations: photographs take 15 to 17;
+    /// what would take more is a town that bends, for settling to undo (docs/performance.md).
+    AdjustmentOptions adjustment{
+        .loss_scale_px = 1.0, .max_iterations = 30, .function_tolerance = 1e-6};
+    /// function_tolerance of those before it, which only find out which observations to keep.
+    /// Lowered: slower. Ours.
+    double round_tolerance = 1e-4;
+};
+
+/// @errors kInvalidArgument
+Result<void> validate(const GlobalOptions& options);
+
+struct SolveOptions {
+    /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5.
+    std::uint32_t mu_min = 5;
+    /// New clusters with more images are started globally instead of incrementally. Raised: slower;
+    /// lowered: small sets, in which few measurements correct each other, are less sure.
+    /// Paper: mu_max = 50.
+    std::uint32_t mu_max = 50;
+    GlobalOptions global;
+    /// Edges that differ from the averaged rotations by more are dropped from the local graph
+    /// [deg]. Higher: wrong pairs stay in; lower: noisy right ones go. Paper: rho_g,max = 10.
+    double max_edge_error_deg = 10.0;
+    /// All of the model is adjusted when it has grown by this fraction. Lower: slower, more
+    /// accurate in between. Paper: eta_grow = 0.15.
+    double eta_grow = 0.15;
+    /// Models of so many images are extended by what new images can change (extend_locally.h); 0:
+    /// always with all of the cluster, as in the paper. Lowered: wrong edges that only all of the
+    /// cluster's rotations tell from right ones are kept more often; raised: an image takes longer
+    /// the more there are. Ours.
+    std::uint32_t extend_locally_from = 200;
+    /// Models of more images are adjusted in the few steps of `large_growth` when they have grown
+    /// or were joined: from there on what is left is bending, which takes tens of steps to undo and
+    /// is undone when they settle. Raised: slower, models bent by less while images stream in.
+    /// Ours (docs/performance.md).
+    std::uint32_t converge_up_to = 500;
+    /// Larger models are adjusted where they have grown or were joined, all of them only when they
+    /// settle, and most of them are not solved new before that (is_put_off): an image costs the
+    /// same however many there are. Raised: slower, drift spreads over the whole model sooner; the
+    /// paper adjusts all, whatever the size. Ours.
+    std::uint32_t adjust_all_up_to = 1000;
+    /// Images of such a model that are adjusted where others were joined to it, beside these, at
+    /// least. Raised: slower; lowered: what they differ by is spread over fewer. Ours.
+    std::uint32_t images_around_joint = 200;
+    /// Images beside the new one whose poses move in a local adjustment. COLMAP 3.8: 6 in all.
+    std::uint32_t local_neighbors = 5;
+    /// Images with fewer observations after adjustment are taken out again. Ours: half of the
+    /// inliers that registration asks for.
+    std::uint32_t min_observations = 10;
+    /// A model whose relative rotations differ by more from the averaged ones contradicts itself
+    /// [deg]. Higher: folded models live on; lower: drift is taken for a fold. Paper: rho_l,max =
+    /// 10.
+    double max_contradiction_deg = 10.0;
+    /// Only the images that a contradiction comes down to are placed anew, when they are at most
+    /// this part of the model; else the cluster is solved new. Raised: folds may be patched instead
+    /// of undone; lowered: slower, since one wrong image gives up the work of hundreds. Ours.
+    double max_reset_images = 0.15;
+    /// Images from which a model whose parts contradict each other, and not themselves, is taken
+    /// apart and joined again as the edges between say now, before it is solved new. Lowered: a
+    /// smaller model keeps what a new one would have found better. Ours: a new start with 1,900
+    /// images takes two minutes, this two seconds.
+    std::uint32_t rejoin_from_images = 200;
+    /// Part of the edges that may still contradict after that: at such places it is the averaged
+    /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours.
+    double max_contradicting_edges = 0.02;
+    /// When images that a model shows side by side are of different places.
+    PlaceOptions places;
+    /// When images that match and stand apart are brought together.
+    LoopOptions loops;
+    /// When a model is compared with others once no more images come.
+    DoubtOptions doubt;
+    /// When a model is none, and when it is a weak one.
+    AssessmentOptions assessment;
+    /// How two models that come together in a cluster are joined. Their cameras may interleave: the
+    /// clustering has found that they belong together; whether they do is asked of the joined model
+    /// (places).
+    ClusterConstraintOptions transfer{.min_neighborhood_similarity = 0.0,
+                                      .min_unmatched_cameras = 0};
+    InitializationOptions initialization;
+    AbsolutePoseOptions absolute_pose;
+    TrackOptions tracks;
+    AdjustmentOptions local_adjustment{
+        .loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5};
+    RefinementOptions growth{
+        .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
+        .max_rounds = 2,
+        .points_per_image = 400};
+    /// Of models of more than converge_up_to that have grown or were joined. More or
+    /// longer rounds: slower; fewer: they stay bent by more until they settle
+    /// (docs/performance.md). Ours.
+    RefinementOptions large_growth{
+        .adjustment = {.loss_scale_px = 1.0, .max_iterations = 5, .function_tolerance = 1e-4},
+        .max_rounds = 1,
+        .points_per_image = 200};
+    RefinementOptions settling{
+        .images_for_principal_point = 5, .points_per_image = 2500, .thin_from_images = 200};
+    /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
+    /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
+    /// tenth of the time (docs/look-alikes.md).
+    RotationAveragingOptions rotation_averaging{
+        .consensus_deg = 10.0, .max_iterations = 0, .refine_iterations = 20};
+    /// An edge counts with its inliers times its plausibility when rotations are averaged: many
+    /// look-alikes a little way round a symmetric scene outnumber the few true edges between two
+    /// parts that only just meet, and have as many inliers each. None: with its inliers, as in the
+    /// paper. Ours (docs/look-alikes.md).
+    std::optional<PlausibilityOptions> plausibility = PlausibilityOptions{};
+    FocalCalibrationOptions focal_calibration;
+    /// When cameras that may be one are not.
+    TieOptions ties;
+    VerifyOptions
+        verification;  ///< of pairs whose focal lengths have become known since they were verified
+};
+
+Result<void> validate(const SolveOptions& options);
+
+}  // namespace psfm

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+
+#include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/local_graph.h"
+#include "stages/reconstruction/model/solve_options.h"
+#include "stages/reconstruction/model/working_model.h"
+
+namespace psfm {
+
+/// Resets the images that a contradiction comes down to (ours; the paper resets whole clusters,
+/// which stays for everything else). When they are few, takes them out and adds them again, now
+/// that more of the scene is known than when they were placed. When they are many, and the model
+/// large, its parts that agree within themselves are joined again as the edges between them say
+/// now; that is kept when at least half of the contradiction goes, and hardly an image.
+/// Sets statistics.reset, and notes in `state` what contradiction is left. When that is too much,
+/// the model stays a bad configuration.
+/// @errors those of grow_model and refine_model
+Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
+                        const SolveOptions& options, const std::atomic<bool>* cancel,
+                        SolveState& state, SolveStatistics& statistics);
+
+}  // namespace psfm

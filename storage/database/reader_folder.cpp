@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <vector>
+
+#include "storage/database/file_lock.h"
+#include "storage/database/session_folder.h"
+#include "storage/database/system_error.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+FileHandle open_folder(const fs::path& path) {
+    return FileHandle(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+}
+
+/// Whether the path still leads to the open folder.
+bool still_there(const fs::path& path, const FileHandle& handle) {
+    struct stat by_path {};
+    struct stat by_handle {};
+    return ::stat(path.c_str(), &by_path) == 0 && ::fstat(handle.get(), &by_handle) == 0 &&
+           by_path.st_ino == by_handle.st_ino && by_path.st_dev == by_handle.st_dev;
+}
+
+}  // namespace
+
+Result<ReaderFolder> ReaderFolder::make(const fs::path& session) {
+    const fs::path parent = session / kReadersFolder;
+    const auto failed = [](const fs::path& path) {
+        return system_error(
+            "cannot make " + quoted(path) + " (a reader needs a folder in the session)", errno);
+    };
+    if (::mkdir(parent.c_str(), 0755) != 0 && errno != EEXIST) return failed(parent);
+    constexpr int kMaxReaders = 100'000;
+    for (int n = 0; n < kMaxReaders; ++n) {
+        const fs::path path = parent / (std::to_string(getpid()) + "-" + std::to_string(n));
+        if (::mkdir(path.c_str(), 0755) != 0) {
+            if (errno == EEXIST) continue;
+            return failed(path);
+        }
+        FileHandle handle = open_folder(path);
+        if (!handle.is_open()) continue;
+        // A writer that opens just now may take the folder for a stale one before the lock is on
+        // it.
+        const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, path);
+        if (!locked) return locked.error();
+        if (*locked && still_there(path, handle)) return ReaderFolder(path, std::move(handle));
+    }
+    return Error{ErrorCode::kIo, "too many readers in " + quoted(parent)};
+}
+
+ReaderFolder::~ReaderFolder() {
+    if (!lock_.is_open()) return;
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+}
+
+void remove_stale_reader_folders(const fs::path& session) {
+    std::error_code ignored;
+    std::vector<fs::path> folders;
+    for (fs::directory_iterator entry(session / kReadersFolder, ignored), end;
+         !ignored && entry != end; entry.increment(ignored)) {
+        folders.push_back(entry->path());
+    }
+    for (const fs::path& folder : folders) {
+        const FileHandle handle = open_folder(folder);
+        if (!handle.is_open()) continue;
+        const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, folder);
+        if (locked && *locked) fs::remove_all(folder, ignored);
+    }
+}
+
+}  // namespace psfm

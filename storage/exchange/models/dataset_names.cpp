@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/exchange/models/dataset_names.h"
+
+#include <filesystem>
+#include <set>
+#include <string_view>
+
+namespace psfm {
+namespace {
+
+std::string flattened(const std::string& photo_name) {
+    std::string name = std::filesystem::path(photo_name).replace_extension().generic_string();
+    constexpr std::string_view kUnsafe = "/\\.:*?\"<>| '%#";
+    for (char& character : name) {
+        if (kUnsafe.find(character) != std::string_view::npos) character = '_';
+    }
+    return name.empty() ? "_" : name;
+}
+
+std::string without_capitals(std::string name) {
+    for (char& character : name) {
+        if (character >= 'A' && character <= 'Z') character = static_cast<char>(character + 32);
+    }
+    return name;
+}
+
+}  // namespace
+
+std::vector<std::string> dataset_names(std::span<const std::string> photo_names) {
+    std::vector<std::string> names;
+    names.reserve(photo_names.size());
+    std::set<std::string> taken;
+    for (const std::string& photo_name : photo_names) {
+        const std::string first = flattened(photo_name);
+        std::string name = first;
+        for (std::size_t k = 2; !taken.insert(without_capitals(name)).second; ++k) {
+            name = first + "_" + std::to_string(k);
+        }
+        names.push_back(std::move(name));
+    }
+    return names;
+}
+
+}  // namespace psfm

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/exchange/models/exported_model.h"
+
+#include <algorithm>
+
+namespace psfm {
+namespace {
+
+template <typename Item, typename Id>
+const Item* find_by_id(const std::vector<Item>& items, Id id) {
+    const auto found = std::ranges::lower_bound(items, id, {}, &Item::id);
+    return found != items.end() && found->id == id ? &*found : nullptr;
+}
+
+/// @param id  ours: a number plus one
+std::uint32_t id_in(std::span<const std::uint32_t> ids, std::uint32_t id) {
+    if (ids.empty()) return id;
+    const std::size_t number = id - 1;
+    return number < ids.size() ? ids[number]
+                               : ids.back() + static_cast<std::uint32_t>(number - ids.size() + 1);
+}
+
+}  // namespace
+
+ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> image_ids,
+                         std::span<const std::uint32_t> camera_ids) {
+    for (ExportedCamera& camera : model.cameras) camera.id = id_in(camera_ids, camera.id);
+    for (ExportedImage& image : model.images) {
+        image.id = id_in(image_ids, image.id);
+        image.camera_id = id_in(camera_ids, image.camera_id);
+    }
+    for (ExportedPoint& point : model.points) {
+        for (ExportedObservation& seen : point.track)
+            seen.image_id = id_in(image_ids, seen.image_id);
+    }
+    return model;
+}
+
+const ExportedCamera* ExportedModel::find_camera(std::uint32_t id) const {
+    return find_by_id(cameras, id);
+}
+
+const ExportedImage* ExportedModel::find_image(std::uint32_t id) const {
+    return find_by_id(images, id);
+}
+
+const ExportedPoint* ExportedModel::find_point(std::uint64_t id) const {
+    return find_by_id(points, id);
+}
+
+}  // namespace psfm

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+
+#include "storage/exchange/models/exported_model.h"
+
+namespace psfm {
+
+/// An observation by the position of its image in the model's list, as formats without ids count.
+struct PlacedObservation {
+    std::uint64_t image_position = 0;
+    std::uint64_t keypoint = 0;
+    const ExportedKeypoint* pixel = nullptr;
+};
+
+/// The observations of a point whose images carry keypoints, at most one an image.
+inline std::vector<PlacedObservation> placed_observations(const ExportedModel& model,
+                                                          const ExportedPoint& point) {
+    std::vector<PlacedObservation> result;
+    for (const ExportedObservation& observation : point.track) {
+        const ExportedImage* image = model.find_image(observation.image_id);
+        if (image == nullptr || observation.keypoint >= image->keypoints.size()) continue;
+        const auto position = static_cast<std::uint64_t>(image - model.images.data());
+        if (std::ranges::find(result, position, &PlacedObservation::image_position) !=
+            result.end()) {
+            continue;
+        }
+        result.push_back({position, observation.keypoint, &image->keypoints[observation.keypoint]});
+    }
+    return result;
+}
+
+/// Radial distortion k1, k2 of a camera; zero where its model has none.
+inline std::array<double, 2> radial_distortion(const Camera& camera) {
+    switch (camera.model) {
+        case CameraModel::kSimplePinhole:
+        case CameraModel::kPinhole:
+            return {0.0, 0.0};
+        case CameraModel::kSimpleRadial:
+            return {camera.params[3], 0.0};
+        case CameraModel::kRadial:
+            return {camera.params[3], camera.params[4]};
+        case CameraModel::kOpenCv:
+            return {camera.params[4], camera.params[5]};
+    }
+    return {0.0, 0.0};
+}
+
+}  // namespace psfm
