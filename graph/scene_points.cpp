@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "graph/sorted_unique.h"
+
 namespace psfm {
 namespace {
 
@@ -23,8 +25,7 @@ std::vector<ImageId> images_that_see(std::span<const ScenePoint> points) {
             images.push_back(seen.image);
         }
     }
-    std::ranges::sort(images);
-    images.erase(std::unique(images.begin(), images.end()), images.end());
+    sort_unique(images);
     return images;
 }
 

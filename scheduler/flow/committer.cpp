@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "graph/sorted_unique.h"
 #include "scheduler/flow/make_problems.h"
 #include "scheduler/report/event_log.h"
 #include "scheduler/session/known_files.h"
@@ -215,8 +216,7 @@ Result<MergeMessage> Committer::problem_of_merge() {
     for (const UnplacedImage& image : *unplaced) {
         for (const UnplacedImage::Edge& edge : image.edges) seen.push_back(edge.cluster);
     }
-    std::ranges::sort(seen);
-    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    sort_unique(seen);
     const auto awake = state_.models.use(seen, state_.clusters, *store_);
     if (!awake.ok()) return awake.error();
     for (MergeCluster& cluster : problem->clusters)

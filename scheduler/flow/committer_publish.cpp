@@ -4,6 +4,7 @@
 // The committer's last step: a merged version becomes the published scene.
 #include <algorithm>
 
+#include "graph/sorted_unique.h"
 #include "scheduler/flow/committer.h"
 #include "scheduler/report/describe_events.h"
 #include "scheduler/session/encode_state.h"
@@ -91,8 +92,7 @@ std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
         state_.clusters.adopt(adoption.image, adoption.host);
         hosts.push_back(adoption.host);
     }
-    std::ranges::sort(hosts);
-    hosts.erase(std::unique(hosts.begin(), hosts.end()), hosts.end());
+    sort_unique(hosts);
     return hosts;
 }
 

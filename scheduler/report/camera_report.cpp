@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "stages/algorithms/math/median.h"
+
 namespace psfm {
 namespace {
 
@@ -70,13 +72,12 @@ void compare(const std::vector<CameraReport*>& alike) {
     std::vector<double> focals;
     for (const CameraReport* report : alike)
         focals.insert(focals.end(), report->images.size(), report->camera.mean_focal());
-    const auto middle = focals.begin() + static_cast<std::ptrdiff_t>(focals.size() / 2);
-    std::ranges::nth_element(focals, middle);
+    const double middle = upper_median(std::move(focals));
     for (CameraReport* report : alike) {
         if (!report->remark.empty()) continue;
-        if (std::abs(std::log(report->camera.mean_focal() / *middle)) <= kFarFromOthers) continue;
-        report->remark = "most others of its size have " + pixels(*middle) +
-                         ": zoomed, another camera, or wrong";
+        if (std::abs(std::log(report->camera.mean_focal() / middle)) <= kFarFromOthers) continue;
+        report->remark =
+            "most others of its size have " + pixels(middle) + ": zoomed, another camera, or wrong";
     }
 }
 

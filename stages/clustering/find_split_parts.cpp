@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "stages/algorithms/math/union_find.h"
+
 namespace psfm {
 namespace {
 
@@ -33,7 +35,7 @@ class SeedSearches {
         base_ = last + 1;
         last += static_cast<std::uint32_t>(seeds.size());
         for (std::size_t s = 0; s < seeds.size(); ++s) {
-            parent_.push_back(s);
+            parts_.add();
             if (stamp_[index_of(seeds[s])] >= base_) continue;  // named twice
             reach(seeds[s], s);
             active_.push_back(s);
@@ -45,7 +47,7 @@ class SeedSearches {
         alive_ = active_.size();
         while (alive_ > 1) {
             for (std::size_t k = 0; k < active_.size() && alive_ > 1; ++k) {
-                if (parent_[active_[k]] != active_[k]) continue;  // absorbed in this round
+                if (parts_.root_of(active_[k]) != active_[k]) continue;  // absorbed in this round
                 const std::size_t root = expand_next(active_[k]);
                 Search& search = searches_[root];
                 if (alive_ > 1 && search.next == search.frontier.size()) {
@@ -55,18 +57,13 @@ class SeedSearches {
                 }
             }
             std::erase_if(active_, [this](std::size_t s) {
-                return parent_[s] != s || std::ranges::find(finished_, s) != finished_.end();
+                return parts_.root_of(s) != s || std::ranges::find(finished_, s) != finished_.end();
             });
         }
         return parts;
     }
 
   private:
-    std::size_t root_of(std::size_t s) {
-        while (parent_[s] != s) s = parent_[s] = parent_[parent_[s]];
-        return s;
-    }
-
     void reach(ImageId image, std::size_t search) {
         stamp_[index_of(image)] = base_ + static_cast<std::uint32_t>(search);
         searches_[search].found.push_back(image);
@@ -82,7 +79,7 @@ class SeedSearches {
         kept.frontier.insert(kept.frontier.end(),
                              gone.frontier.begin() + static_cast<std::ptrdiff_t>(gone.next),
                              gone.frontier.end());
-        parent_[b] = a;
+        parts_.attach(b, a);
         --alive_;
         return a;
     }
@@ -97,7 +94,7 @@ class SeedSearches {
                 reach(neighbor, root);
                 continue;
             }
-            const std::size_t other = root_of(stamp - base_);
+            const std::size_t other = parts_.root_of(stamp - base_);
             if (other == root) continue;
             root = unite(root, other);
             if (alive_ == 1) break;
@@ -110,7 +107,7 @@ class SeedSearches {
     std::vector<std::uint32_t>& stamp_;
     std::uint32_t base_ = 0;
     std::vector<Search> searches_;
-    std::vector<std::size_t> parent_;
+    UnionFind<std::size_t> parts_;
     std::vector<std::size_t>
         active_;  ///< roots still searching, ascending; stale entries between rounds
     std::vector<std::size_t> finished_;

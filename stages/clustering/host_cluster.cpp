@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <map>
 
+#include "graph/sorted_unique.h"
+
 namespace psfm {
 namespace {
 
@@ -40,9 +42,7 @@ std::vector<ImageId> images_to_host_again(const ViewGraph& graph, const Clusteri
         images.push_back(image);  // large or not: it may have been a guest until now
         for (const ViewGraph::Edge& edge : graph.edges(image)) add(edge.neighbor);
     }
-    std::ranges::sort(images);
-    const auto repeated = std::ranges::unique(images);
-    images.erase(repeated.begin(), repeated.end());
+    sort_unique(images);
     return images;
 }
 

@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "graph/sorted_unique.h"
+
 namespace psfm {
 
 Relabeller::Relabeller(ClusteringState& state, std::size_t graph_size,
@@ -57,9 +59,7 @@ std::vector<ImageId> Relabeller::images_of(ClusterId label) const {
     take(state_.members);
     take(gained_);
     // What left a group and came back is in both.
-    std::ranges::sort(images);
-    const auto repeated = std::ranges::unique(images);
-    images.erase(repeated.begin(), repeated.end());
+    sort_unique(images);
     return images;
 }
 

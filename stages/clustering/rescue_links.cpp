@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <tuple>
 
+#include "stages/algorithms/math/union_find.h"
 #include "stages/clustering/plausibility.h"
 
 namespace psfm {
@@ -18,28 +18,23 @@ class Groups {
     explicit Groups(std::uint32_t enough) : enough_(enough) {}
 
     std::uint32_t add(bool is_large) {
-        parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
         size_.push_back(is_large ? enough_ : 1);
-        return parent_.back();
-    }
-    std::uint32_t root(std::uint32_t group) {
-        while (parent_[group] != group) group = parent_[group] = parent_[parent_[group]];
-        return group;
+        return sets_.add();
     }
     /// @return whether they were two
     bool join(std::uint32_t a, std::uint32_t b) {
-        a = root(a);
-        b = root(b);
+        a = sets_.root_of(a);
+        b = sets_.root_of(b);
         if (a == b) return false;
-        parent_[b] = a;
+        sets_.attach(b, a);
         size_[a] = std::min(enough_, size_[a] + size_[b]);
         return true;
     }
-    bool is_large(std::uint32_t group) { return size_[root(group)] >= enough_; }
+    bool is_large(std::uint32_t group) { return size_[sets_.root_of(group)] >= enough_; }
 
   private:
     std::uint32_t enough_;
-    std::vector<std::uint32_t> parent_;
+    UnionFind<> sets_;
     std::vector<std::uint32_t> size_;  // up to enough_
 };
 

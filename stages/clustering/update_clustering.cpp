@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "graph/sorted_unique.h"
 #include "stages/clustering/apply_relabelling.h"
 #include "stages/clustering/find_split_parts.h"
 #include "stages/clustering/relabeller.h"
@@ -102,8 +103,7 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
     for (std::size_t image = state.size(); image < graph.size(); ++image) {
         dirty.push_back(static_cast<ImageId>(image));
     }
-    std::ranges::sort(dirty);
-    dirty.erase(std::unique(dirty.begin(), dirty.end()), dirty.end());
+    sort_unique(dirty);
 
     state.degrees.resize(graph.size());
     state.links.resize(graph.size());

@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::vector<Eigen::Vector3d> centres_of(std::span<const NamedPose> poses) {
     std::vector<Eigen::Vector3d> centres;
@@ -139,7 +138,7 @@ Result<ModelEvaluation> evaluate_model(std::span<const NamedPose> reference,
         error.name = truth.name;
         error.position = (result.reference_from_model * source[i] - target[i]).norm();
         error.rotation_deg =
-            kDegrees * angle_between(aligned.rotation, truth.cam_from_world.rotation);
+            kDegreesPerRadian * angle_between(aligned.rotation, truth.cam_from_world.rotation);
         error.outlier = error.position > *threshold;
         result.outliers += error.outlier ? 1 : 0;
         positions.push_back(error.position);

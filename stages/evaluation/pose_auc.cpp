@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Angle between two vectors [rad], exact for small angles too.
 double angle_between_vectors(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -30,13 +29,13 @@ double pair_error_deg(const Rigid3& reference1, const Rigid3& reference2, const 
     const double rotation = angle_between(reference.rotation, model.rotation);
     if (is_zero_baseline(reference1.target_origin_in_source(),
                          reference2.target_origin_in_source())) {
-        return rotation * kDegrees;
+        return rotation * kDegreesPerRadian;
     }
     if (is_zero_baseline(model1.target_origin_in_source(), model2.target_origin_in_source())) {
         return std::numeric_limits<double>::infinity();
     }
     return std::max(rotation, angle_between_vectors(reference.translation, model.translation)) *
-           kDegrees;
+           kDegreesPerRadian;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "graph/sorted_unique.h"
 #include "stages/algorithms/alignment/cluster_index.h"
 #include "stages/algorithms/alignment/estimate_cluster_constraint.h"
 #include "stages/merge/geo/place_components.h"
@@ -111,8 +112,7 @@ void estimate_unknown(std::vector<PairTask>& tasks, const ClusterConstraintOptio
     std::unordered_map<const MergeCluster*, ClusterIndex> indices;
     for (auto& [cluster, images] : asked) {
         std::erase_if(images, [&](ImageId i) { return cluster->model->find(i) == nullptr; });
-        std::ranges::sort(images);
-        images.erase(std::unique(images.begin(), images.end()), images.end());
+        sort_unique(images);
         indices.emplace(cluster, ClusterIndex(*cluster->model, images));
     }
     for (PairTask& task : tasks) {

@@ -9,6 +9,9 @@
 #include <numbers>
 #include <set>
 
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
+
 namespace psfm {
 namespace {
 
@@ -66,8 +69,7 @@ std::vector<FeatureMatch> matches_at(const MatchedViews& views, const Eigen::Vec
         if ((first.position() + shift - second.position()).norm() > reach) continue;
         const auto [small, large] = std::minmax(first.scale, second.scale);
         if (double{large} > options.max_scale_ratio * small) continue;
-        if (turn(first.angle, second.angle) > options.max_turn_deg * std::numbers::pi / 180.0)
-            continue;
+        if (turn(first.angle, second.angle) > radians_from_degrees(options.max_turn_deg)) continue;
         found.push_back(match);
     }
     return found;
@@ -121,9 +123,7 @@ double median_motion_px(const MatchedViews& views, std::span<const FeatureMatch>
             (views.keypoints1[match.first].position() - views.keypoints2[match.second].position())
                 .norm());
     }
-    const auto middle = motions.begin() + static_cast<std::ptrdiff_t>(motions.size() / 2);
-    std::ranges::nth_element(motions, middle);
-    return *middle;
+    return upper_median(std::move(motions));
 }
 
 }  // namespace psfm

@@ -5,9 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/verification/fit_two_view.h"
 
@@ -60,7 +60,7 @@ Result<TwoViewGeometry> with_rotation(const TwoViewGeometry& geometry, const Mat
     pose = choose_by_cheirality(std::vector{pose, opposite}, problem.normalized).cam2_from_cam1;
     const TwoViewModel model = fit_pose(problem, pose, all, verify);
     const double degrees =
-        model.cam2_from_cam1.rotation.angularDistance(pose.rotation) * 180.0 / std::numbers::pi;
+        degrees_from_radians(model.cam2_from_cam1.rotation.angularDistance(pose.rotation));
     const auto least = std::max(static_cast<double>(verify.min_inliers),
                                 options.min_kept * static_cast<double>(geometry.inliers.size()));
     if (static_cast<double>(model.inliers.size()) < least || !(degrees <= options.max_angle_deg)) {

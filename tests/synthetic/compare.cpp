@@ -11,6 +11,8 @@
 #include <numbers>
 #include <vector>
 
+#include "stages/algorithms/math/median.h"
+
 namespace psfm::synthetic {
 namespace {
 
@@ -58,9 +60,7 @@ void compare_points(const Reconstruction& reconstruction, const SyntheticScene& 
     }
     error.points = reconstruction.points.size();
     if (distances.empty()) return;
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::ranges::nth_element(distances, middle);
-    error.median_point = *middle;
+    error.median_point = upper_median(std::move(distances));
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/synthetic/look_alike_geometry.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
+#include "stages/algorithms/math/median.h"
 #include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/algorithms/two_view/sampson.h"
 #include "stages/verification/verify_pair.h"
@@ -30,10 +30,7 @@ double parallax(const Rigid3& cam2_from_cam1, const PointPair& points) {
 }
 
 double median(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
+    return values.empty() ? 0.0 : upper_median(std::move(values));
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "stages/algorithms/math/median.h"
+
 namespace psfm::synthetic {
 namespace {
 
@@ -19,10 +21,7 @@ Eigen::Matrix3d unit(const Eigen::Matrix3d& matrix) {
 
 template <typename Values>
 double median(Values values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
+    return values.empty() ? 0.0 : upper_median(std::move(values));
 }
 
 std::vector<Eigen::Vector3d> common_points(const SyntheticScene& scene, const SceneImage& image,

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/merge/geo/earth_frame.h"
 #include "stages/merge/geo/gravity.h"
 #include "tools/commands/geo_report.h"
@@ -84,7 +84,7 @@ std::string georeference_json(const WorldReference& reference, std::span<const G
                   {"max_m", agreement.max_m}};
         if (agreement.is_enough(options)) {
             item["standard_error_m"] = agreement.standard_error_m;
-            item["heading_sigma_deg"] = agreement.heading_sigma * 180.0 / std::numbers::pi;
+            item["heading_sigma_deg"] = degrees_from_radians(agreement.heading_sigma);
         }
         item["images"] = Json::array();
         for (const ExportedImage& image : part.model->images) {

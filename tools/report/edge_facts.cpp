@@ -4,15 +4,15 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <set>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
 
 /// The paper's rho_l,max: a pair that is farther off contradicts the model.
-constexpr double kContradiction = 10.0 * std::numbers::pi / 180.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kContradiction = radians_from_degrees(10.0);
 
 struct Placed {
     std::uint32_t part = 0;
@@ -83,7 +83,7 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
             const double angle =
                 angle_between(pair.cam2_from_cam1, second->second.cam_from_world *
                                                        first->second.cam_from_world.conjugate());
-            edge.angle_deg = static_cast<float>(angle * kDegrees);
+            edge.angle_deg = static_cast<float>(angle * kDegreesPerRadian);
             edge.state = angle > kContradiction ? EdgeState::kContradicts : EdgeState::kHolds;
         }
         // An edge may lose its plausibility to a later image.

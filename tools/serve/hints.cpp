@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
+
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 struct PlacedCamera {
     const SceneCluster* cluster = nullptr;
@@ -40,7 +40,8 @@ void look_at_point(const SceneCluster& cluster, const ScenePoint& point, Cameras
         if (angles.size() >= kAngles) continue;
         double smallest = 1.0;
         for (const auto& [other, second] : rays) smallest = std::min(smallest, ray.dot(second));
-        angles.push_back(static_cast<float>(std::acos(std::clamp(smallest, -1.0, 1.0)) * kDegrees));
+        angles.push_back(
+            static_cast<float>(std::acos(std::clamp(smallest, -1.0, 1.0)) * kDegreesPerRadian));
     }
 }
 
@@ -58,10 +59,7 @@ Cameras cameras_of(const Scene& scene) {
 
 template <typename T>
 T median(std::vector<T> values) {
-    if (values.empty()) return {};
-    std::ranges::nth_element(values,
-                             values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-    return values[values.size() / 2];
+    return values.empty() ? T{} : upper_median(std::move(values));
 }
 
 /// The side of a camera on which nobody stands that it holds together with.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/algorithms/math/median.h"
 #include "tools/serve/wire.h"
 
 namespace psfm {
@@ -102,10 +103,7 @@ Sim3 robust_similarity(std::span<const std::pair<Eigen::Vector3d, Eigen::Vector3
         best.translation = fit.topRightCorner<3, 1>();
         std::vector<double> distances;
         for (const auto& [from, to] : source_target) distances.push_back((best * from - to).norm());
-        std::vector<double> sorted = distances;
-        std::ranges::nth_element(sorted,
-                                 sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
-        const double limit = 3.0 * sorted[sorted.size() / 2];
+        const double limit = 3.0 * upper_median(distances);
         used.clear();
         for (std::size_t i = 0; i < distances.size(); ++i) {
             if (distances[i] <= limit) used.push_back(source_target[i]);

@@ -3,9 +3,9 @@
 #include "stages/algorithms/alignment/rigid_groups.h"
 
 #include <limits>
-#include <numeric>
 
 #include "stages/algorithms/math/maximum_spanning_tree.h"
+#include "stages/algorithms/math/union_find.h"
 
 namespace psfm {
 
@@ -34,25 +34,20 @@ RigidGroups group_rigidly(std::span<const PoseGraphEdge> edges,
         if (is_alone[edge.a] == 0 && is_alone[edge.b] == 0)
             weighted.push_back({edge.a, edge.b, edge.weight});
     }
-    std::vector<std::uint32_t> parent(is_alone.size());
-    std::iota(parent.begin(), parent.end(), 0U);
-    const auto root_of = [&](std::uint32_t node) {
-        while (parent[node] != node) node = parent[node] = parent[parent[node]];
-        return node;
-    };
+    UnionFind sets(is_alone.size());
     std::vector<std::size_t> size(is_alone.size(), 1);
     for (const std::uint32_t e : heaviest_first(weighted)) {
-        const std::uint32_t a = root_of(weighted[e].i);
-        const std::uint32_t b = root_of(weighted[e].j);
+        const std::uint32_t a = sets.root_of(weighted[e].i);
+        const std::uint32_t b = sets.root_of(weighted[e].j);
         if (a == b || size[a] + size[b] > max_nodes) continue;
-        parent[b] = a;
+        sets.attach(b, a);
         size[a] += size[b];
     }
     constexpr auto kUnseen = std::numeric_limits<std::uint32_t>::max();
     RigidGroups groups;
     std::vector<std::uint32_t> number(is_alone.size(), kUnseen);  // by root
     for (std::uint32_t node = 0; node < is_alone.size(); ++node) {
-        const std::uint32_t root = root_of(node);
+        const std::uint32_t root = sets.root_of(node);
         if (number[root] == kUnseen) {
             number[root] = static_cast<std::uint32_t>(groups.sizes.size());
             groups.sizes.push_back(size[root]);

@@ -5,16 +5,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "stages/algorithms/averaging/chordal_positions.h"
 #include "stages/algorithms/averaging/least_unsquared_positions.h"
 #include "stages/algorithms/averaging/length_certainty.h"
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// Edges among some nodes, with the nodes numbered as in `nodes` and a mean weight of 1.
 std::vector<RelativeDirection> edges_among(std::span<const RelativeDirection> edges,
@@ -43,9 +42,8 @@ void fix_gauge(const std::vector<RelativeDirection>& edges, Columns3& positions)
     for (const RelativeDirection& edge : edges) {
         lengths.push_back((positions.col(edge.j) - positions.col(edge.i)).norm());
     }
-    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-    std::ranges::nth_element(lengths, middle);
-    if (*middle > 0.0) positions /= *middle;
+    const double middle = upper_median(std::move(lengths));
+    if (middle > 0.0) positions /= middle;
 }
 
 Columns3 columns_of(const Columns3& positions, const std::vector<std::uint32_t>& nodes) {

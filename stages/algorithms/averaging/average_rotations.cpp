@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "graph/rigid3.h"
+#include "graph/sorted_unique.h"
 #include "stages/algorithms/averaging/l1_rotation_solver.h"
 #include "stages/algorithms/averaging/refine_rotations.h"
 #include "stages/algorithms/averaging/rotation_problem.h"
@@ -61,8 +62,7 @@ std::vector<std::uint32_t> pulling_edges(std::span<const WeightedEdge> edges,
         const bool second = taken[edges[e].j]++ < count;
         if (first || second) chosen.push_back(e);
     }
-    std::ranges::sort(chosen);
-    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    sort_unique(chosen);
     return chosen;
 }
 

@@ -8,9 +8,9 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include <algorithm>
 #include <deque>
-#include <numbers>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
@@ -58,7 +58,7 @@ double chord(const RelativeDirection& edge, const Columns3& positions) {
 Result<Columns3> refine_positions(const std::vector<RelativeDirection>& edges, Columns3 positions,
                                   const PositionAveragingOptions& options) {
     part_coinciding_ends(edges, positions);
-    const double width = options.loss_scale_deg * std::numbers::pi / 180.0;
+    const double width = radians_from_degrees(options.loss_scale_deg);
     ceres::HuberLoss huber(width);
     std::deque<ceres::ScaledLoss> losses;
     ceres::Problem::Options ownership;

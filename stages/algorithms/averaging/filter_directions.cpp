@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <queue>
 #include <tuple>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/random_numbers.h"
 
 namespace psfm {
@@ -19,7 +19,7 @@ namespace {
 class AxisSampler {
   public:
     AxisSampler(std::span<const RelativeDirection> edges, double bandwidth_deg, std::uint64_t seed)
-        : edges_(edges), bandwidth_(bandwidth_deg * std::numbers::pi / 180.0), random_(seed) {
+        : edges_(edges), bandwidth_(radians_from_degrees(bandwidth_deg)), random_(seed) {
         double sum = 0.0;
         for (const RelativeDirection& edge : edges) sums_.push_back(sum += edge.weight);
     }

@@ -5,8 +5,10 @@
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
@@ -69,9 +71,7 @@ class LeastAbsoluteDeviations {
         for (std::size_t e = 0; e < lengths.size(); ++e) {
             lengths[e] = rows.row(static_cast<Eigen::Index>(e)).norm();
         }
-        const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-        std::ranges::nth_element(lengths, middle);
-        return *middle;
+        return upper_median(std::move(lengths));
     }
 
     Eigen::RowVector3d shrunk(const Eigen::RowVector3d& value, double by) const {
@@ -152,7 +152,7 @@ Result<std::uint32_t> minimize_l1(RotationProblem& problem,
         return Error{ErrorCode::kInternal,
                      "rotation averaging: CHOLMOD cannot factor the normal matrix"};
     }
-    const double converged = options.convergence_deg * std::numbers::pi / 180.0;
+    const double converged = radians_from_degrees(options.convergence_deg);
     Rows3 errors = relative_errors(problem);
     double cost = l1_cost(problem, errors, options.norm);
     std::uint32_t iteration = 0;

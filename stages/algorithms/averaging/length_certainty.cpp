@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
+#include "graph/sorted_unique.h"
 #include "stages/algorithms/averaging/chordal_positions.h"
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 #include "stages/algorithms/math/random_numbers.h"
+#include "stages/algorithms/math/union_find.h"
 
 namespace psfm {
 namespace {
@@ -19,12 +22,6 @@ constexpr Eigen::Index kDraws = 16;
 constexpr std::uint64_t kSeed = 0x1d5f;
 /// Standard deviation of the prior, in median lengths of the edges: nothing is known beforehand.
 constexpr double kPriorSigma = 10.0;
-
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
 
 Eigen::Vector3d normal3(RandomNumbers& random) {
     Eigen::Vector3d vector;
@@ -56,26 +53,6 @@ std::vector<EdgeInformation> information_of(const std::vector<RelativeDirection>
     return information;
 }
 
-/// Edges as sets: those that meet and change by the same part are joined.
-class EdgeSets {
-  public:
-    explicit EdgeSets(std::size_t count) : parent_(count) {
-        std::iota(parent_.begin(), parent_.end(), 0U);
-    }
-    std::uint32_t root_of(std::uint32_t edge) {
-        while (parent_[edge] != edge) edge = parent_[edge] = parent_[parent_[edge]];
-        return edge;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        const std::uint32_t root_a = root_of(a);
-        const std::uint32_t root_b = root_of(b);
-        parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
-    }
-
-  private:
-    std::vector<std::uint32_t> parent_;
-};
-
 }  // namespace
 
 double direction_noise(const std::vector<RelativeDirection>& edges, const Columns3& positions) {
@@ -83,13 +60,12 @@ double direction_noise(const std::vector<RelativeDirection>& edges, const Column
     chords.reserve(edges.size());
     for (const RelativeDirection& edge : edges) chords.push_back(chord(edge, positions));
     // The length of a normal vector in the plane has its median at sqrt(2 ln 2) sigma.
-    return median_of(std::move(chords)) / std::sqrt(2.0 * std::numbers::ln2);
+    return upper_median(std::move(chords)) / std::sqrt(2.0 * std::numbers::ln2);
 }
 
 Result<std::vector<std::uint32_t>> nodes_of_certain_length(
     const std::vector<RelativeDirection>& edges, const Columns3& positions,
     const PositionAveragingOptions& options) {
-    constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
     const double sigma =
         std::max(direction_noise(edges, positions), options.min_noise_deg * kRadiansPerDegree);
     std::vector<double> lengths;
@@ -97,7 +73,7 @@ Result<std::vector<std::uint32_t>> nodes_of_certain_length(
     for (const RelativeDirection& edge : edges) {
         lengths.push_back((positions.col(edge.j) - positions.col(edge.i)).norm());
     }
-    const double median = median_of(std::move(lengths));
+    const double median = upper_median(std::move(lengths));
     const std::vector<EdgeInformation> information = information_of(
         edges, positions, sigma, options.loss_scale_deg * kRadiansPerDegree, 1e-6 * median);
 
@@ -139,7 +115,7 @@ Result<std::vector<std::uint32_t>> nodes_of_certain_length(
     }
     const double max_square =
         options.max_length_sigma * options.max_length_sigma * static_cast<double>(kDraws);
-    EdgeSets sets(edges.size());
+    UnionFind sets(edges.size());  // edges that meet and change by the same part are joined
     for (std::vector<std::uint32_t> open : at) {
         while (open.size() > 1) {
             const std::uint32_t pivot = open.front();
@@ -156,8 +132,7 @@ Result<std::vector<std::uint32_t>> nodes_of_certain_length(
     }
     std::vector<std::uint32_t> best;
     for (std::vector<std::uint32_t>& set : nodes) {
-        std::ranges::sort(set);
-        set.erase(std::unique(set.begin(), set.end()), set.end());
+        sort_unique(set);
         if (set.size() > std::max<std::size_t>(best.size(), 2)) best = std::move(set);
     }
     return best;

@@ -5,8 +5,8 @@
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/one_blas_thread.h"
 
 namespace psfm {
@@ -40,8 +40,7 @@ Result<std::uint32_t> refine_rotations(RotationProblem& problem,
                                        const RotationAveragingOptions& options) {
     if (problem.node_from_reference.size() < 2) return 0U;
     keep_blas_on_one_thread();
-    constexpr double kRadian = std::numbers::pi / 180.0;
-    const double scale = options.loss_scale_deg * kRadian;
+    const double scale = options.loss_scale_deg * kRadiansPerDegree;
     const auto edges = static_cast<Eigen::Index>(problem.edges.size());
     Factor factor;
     factor.cholmod().print = 0;  // errors are returned, not printed
@@ -68,7 +67,7 @@ Result<std::uint32_t> refine_rotations(RotationProblem& problem,
         steps.bottomRows(steps.rows() - 1) = factor.solve(right_side);
         apply_step(problem, steps, 1.0);
         ++iteration;
-        if (steps.rowwise().norm().maxCoeff() < options.convergence_deg * kRadian) break;
+        if (steps.rowwise().norm().maxCoeff() < options.convergence_deg * kRadiansPerDegree) break;
     }
     return iteration;
 }

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
+
+#include "stages/algorithms/math/union_find.h"
 
 namespace psfm {
 
@@ -30,24 +31,14 @@ Result<void> check_directions(std::span<const RelativeDirection> edges, std::uin
 
 std::vector<std::uint32_t> largest_component(std::span<const RelativeDirection> edges,
                                              std::uint32_t node_count) {
-    // Union-find in which the smallest node of a component is its root.
-    std::vector<std::uint32_t> parent(node_count);
-    std::iota(parent.begin(), parent.end(), 0U);
-    const auto root_of = [&](std::uint32_t node) {
-        while (parent[node] != node) node = parent[node] = parent[parent[node]];
-        return node;
-    };
-    for (const RelativeDirection& edge : edges) {
-        const std::uint32_t i = root_of(edge.i);
-        const std::uint32_t j = root_of(edge.j);
-        parent[std::max(i, j)] = std::min(i, j);
-    }
+    UnionFind sets(node_count);  // the smallest node of a component is its root
+    for (const RelativeDirection& edge : edges) sets.join(edge.i, edge.j);
     std::vector<std::uint32_t> size(node_count, 0);
-    for (std::uint32_t node = 0; node < node_count; ++node) ++size[root_of(node)];
+    for (std::uint32_t node = 0; node < node_count; ++node) ++size[sets.root_of(node)];
     const auto largest = static_cast<std::uint32_t>(std::ranges::max_element(size) - size.begin());
     std::vector<std::uint32_t> nodes;
     for (std::uint32_t node = 0; node < node_count; ++node) {
-        if (root_of(node) == largest) nodes.push_back(node);
+        if (sets.root_of(node) == largest) nodes.push_back(node);
     }
     return nodes;
 }

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
@@ -172,7 +173,7 @@ StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
     JoinedParts parts(edges, rank, node_count);
     for (const std::uint32_t e : heaviest_first) {
         if (!parts.are_joined(edges[e].i, edges[e].j))
-            parts.join(edges[e].i, edges[e].j, max_deg * std::numbers::pi / 180.0);
+            parts.join(edges[e].i, edges[e].j, radians_from_degrees(max_deg));
     }
     StartRotations start;
     std::vector<std::uint32_t> reference_of_part(node_count, kUnseen);

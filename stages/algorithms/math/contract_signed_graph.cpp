@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <queue>
 #include <tuple>
 #include <utility>
+
+#include "stages/algorithms/math/union_find.h"
 
 namespace psfm {
 namespace {
@@ -27,8 +28,7 @@ struct Candidate {
 class Contraction {
   public:
     Contraction(std::size_t nodes, std::span<const SignedEdge> edges)
-        : part_(nodes), weights_(nodes) {
-        std::iota(part_.begin(), part_.end(), 0U);
+        : parts_(nodes), weights_(nodes) {
         for (const SignedEdge& edge : edges) set_weight(edge.first, edge.second, edge.weight);
     }
 
@@ -44,11 +44,11 @@ class Contraction {
     }
 
     std::vector<std::uint32_t> numbered_parts() {
-        std::vector<std::uint32_t> numbers(part_.size());
+        std::vector<std::uint32_t> numbers(parts_.size());
         std::map<std::uint32_t, std::uint32_t> number_of;
-        for (std::uint32_t node = 0; node < part_.size(); ++node) {
+        for (std::uint32_t node = 0; node < parts_.size(); ++node) {
             const auto next = static_cast<std::uint32_t>(number_of.size());
-            numbers[node] = number_of.try_emplace(root_of(node), next).first->second;
+            numbers[node] = number_of.try_emplace(parts_.root_of(node), next).first->second;
         }
         return numbers;
     }
@@ -62,7 +62,7 @@ class Contraction {
 
     void contract(std::uint32_t a, std::uint32_t b) {
         if (weights_[a].size() < weights_[b].size()) std::swap(a, b);
-        part_[b] = a;
+        parts_.attach(b, a);
         weights_[a].erase(b);
         weights_[b].erase(a);
         for (const auto& [other, weight] : std::exchange(weights_[b], {})) {
@@ -73,14 +73,7 @@ class Contraction {
         }
     }
 
-    std::uint32_t root_of(std::uint32_t node) {
-        std::uint32_t root = node;
-        while (part_[root] != root) root = part_[root];
-        while (part_[node] != root) node = std::exchange(part_[node], root);
-        return root;
-    }
-
-    std::vector<std::uint32_t> part_;  // towards the node that stands for the part
+    UnionFind<> parts_;
     std::vector<std::map<std::uint32_t, double>> weights_;
     std::priority_queue<Candidate> queue_;
 };

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "stages/algorithms/math/median.h"
+
 namespace psfm {
 namespace {
 
@@ -22,9 +24,7 @@ double median_deviation(const std::vector<Eigen::Vector3d>& normals,
     for (const Eigen::Vector3d& normal : normals) {
         deviations.push_back(std::abs(direction.dot(normal)));
     }
-    const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-    std::ranges::nth_element(deviations, middle);
-    return *middle;
+    return upper_median(std::move(deviations));
 }
 
 /// One step of reweighted least squares; the sign is arbitrary.

@@ -6,9 +6,11 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
+
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
@@ -99,9 +101,7 @@ double median_triangulation_angle_deg(const Rigid3& cam2_from_cam1,
     std::vector<double> angles;
     angles.reserve(points.size());
     for (const PointPair& p : points) angles.push_back(meet(cam2_from_cam1, p).angle);
-    const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-    std::ranges::nth_element(angles, middle);
-    return *middle * 180.0 / std::numbers::pi;
+    return degrees_from_radians(upper_median(std::move(angles)));
 }
 
 }  // namespace psfm

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <tuple>
 
 #include "graph/rigid3.h"
 #include "stages/algorithms/alignment/cluster_index.h"
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/pose/absolute_pose.h"
 
 namespace psfm {
@@ -136,7 +136,7 @@ bool agrees_with_edges(const UnplacedImage& image, const Rigid3& cam_from_frame,
         const Eigen::Quaterniond& second_from_first = edge->pair->geometry.cam2_from_cam1.rotation;
         const Eigen::Quaterniond expected =
             edge->pair->pair.second == image.id ? second_from_first : second_from_first.conjugate();
-        const double angle_deg = angle_between(own_from_other, expected) * 180.0 / std::numbers::pi;
+        const double angle_deg = degrees_from_radians(angle_between(own_from_other, expected));
         const auto weight = static_cast<double>(edge->pair->geometry.inliers.size());
         (angle_deg <= max_deg ? agreeing : contradicting) += weight;
     }

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "graph/rigid3.h"
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
@@ -45,7 +45,7 @@ struct Counts {
 };
 
 double largest_turn(const ClusterConstraintOptions& options) {
-    return options.companion_turn_deg * std::numbers::pi / 180.0;
+    return radians_from_degrees(options.companion_turn_deg);
 }
 
 double angle_between_axes(const Eigen::Vector3d& x, const Eigen::Vector3d& y) {

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 /// Residuals in standard deviations at which Cauchy's weight is a half: 95 % efficient on
 /// Gaussians.
 constexpr double kCauchy = 2.385;
@@ -76,8 +76,8 @@ std::optional<Gravity> estimate_gravity(std::span<const OrientedCamera> cameras,
         mean_up += axes.up / static_cast<double>(cameras.size());
         all.push_back(axes);
     }
-    const double roll_sigma = options.roll_sigma_deg * kRadPerDeg;
-    const double pitch_sigma = options.pitch_sigma_deg * kRadPerDeg;
+    const double roll_sigma = options.roll_sigma_deg * kRadiansPerDegree;
+    const double pitch_sigma = options.pitch_sigma_deg * kRadiansPerDegree;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
     // From wide to narrow, so that the start decides nothing but the sign.
     Eigen::Vector3d up = mean_up.norm() > 0.0 ? mean_up.normalized() : all.front().up;
@@ -92,7 +92,7 @@ std::optional<Gravity> estimate_gravity(std::span<const OrientedCamera> cameras,
     gravity.up = sign < 0.0 ? Eigen::Vector3d(-up) : up;
     gravity.sign_known = std::abs(sign) >= options.min_mean_up;
     // What is common to all cameras (a habit, the lens) does not average out.
-    const double most = 1.0 / squared(options.min_sigma_deg * kRadPerDeg);
+    const double most = 1.0 / squared(options.min_sigma_deg * kRadiansPerDegree);
     gravity.information.setZero();
     for (const int axis : {1, 2}) {
         const Eigen::Vector3d direction = eigen.eigenvectors().col(axis);

@@ -11,6 +11,7 @@
 
 #include "stages/algorithms/alignment/estimate_sim3.h"
 #include "stages/algorithms/math/kd_tree.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
@@ -117,9 +118,7 @@ double median_neighbor_distance(std::span<const Eigen::Vector3d> centres) {
     for (std::size_t k = 0; k < centres.size(); k += stride_over(centres.size())) {
         distances.push_back(tree.nearest_distance(centres[k], k));
     }
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::ranges::nth_element(distances, middle);
-    return *middle;
+    return upper_median(std::move(distances));
 }
 
 Sim3 world_from_component(std::span<const PlacedImage> images,

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <unordered_map>
 #include <utility>
 
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 #include "stages/merge/geo/keep_frame.h"
 
 namespace psfm {
@@ -79,14 +80,13 @@ std::optional<Gravity> gravity_of(const Cameras& cameras, std::span<const ImageE
 /// Rule 2: whether a frame is as good as the place, for all that is known of the place.
 bool holds(const Cameras& cameras, const Sim3& frame, const Georeference& place,
            const GeoreferenceOptions& options) {
-    constexpr double kDegPerRad = 180.0 / std::numbers::pi;
     const Sim3& enu = place.enu_from_component;
     double sum = 0.0;
     for (const Eigen::Vector3d& centre : cameras.centres)
         sum += (frame * centre - enu * centre).squaredNorm();
     const double shift = std::sqrt(sum / static_cast<double>(cameras.centres.size()));
-    const double turn =
-        std::max(options.hold_angle_deg / kDegPerRad, options.hold * place.agreement.heading_sigma);
+    const double turn = std::max(options.hold_angle_deg / kDegreesPerRadian,
+                                 options.hold * place.agreement.heading_sigma);
     return shift <= options.hold * place.agreement.standard_error_m &&
            angle_between(frame.rotation, enu.rotation) <= turn;
 }
@@ -115,9 +115,7 @@ Eigen::Vector3d median_of(std::span<const Eigen::Vector3d> points) {
     for (int axis = 0; axis < 3; ++axis) {
         std::ranges::transform(points, values.begin(),
                                [&](const Eigen::Vector3d& point) { return point[axis]; });
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::ranges::nth_element(values, middle);
-        median[axis] = *middle;
+        median[axis] = upper_median(values);
     }
     return median;
 }

@@ -8,7 +8,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
+
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/union_find.h"
 
 namespace psfm {
 namespace {
@@ -22,7 +24,7 @@ bool are_near(const GpsPosition& one, const GpsPosition& other) {
     const double north = (one.latitude_deg - other.latitude_deg) * kMetresPerDegree;
     const double across = std::remainder(one.longitude_deg - other.longitude_deg, 360.0);
     const double east =
-        across * kMetresPerDegree * std::cos(one.latitude_deg * std::numbers::pi / 180.0);
+        across * kMetresPerDegree * std::cos(radians_from_degrees(one.latitude_deg));
     return std::hypot(north, east) <= kNearM;
 }
 
@@ -35,15 +37,15 @@ class Groups {
                                                    0.0, place.x(), place.y(), place.z());
         const Cell cell = {std::lround(place.x() / kNearM), std::lround(place.y() / kNearM),
                            std::lround(place.z() / kNearM)};
-        const auto [known, added] = number_.try_emplace(cell, parent_.size());
+        const auto [known, added] = number_.try_emplace(cell, sets_.size());
         of_position_.push_back(known->second);
         if (!added) return;
-        parent_.push_back(known->second);
+        sets_.add();
         for (long x = -1; x <= 1; ++x) {
             for (long y = -1; y <= 1; ++y) {
                 for (long z = -1; z <= 1; ++z) {
                     const auto next = number_.find({cell[0] + x, cell[1] + y, cell[2] + z});
-                    if (next != number_.end()) parent_[root(next->second)] = root(known->second);
+                    if (next != number_.end()) sets_.join(next->second, known->second);
                 }
             }
         }
@@ -52,11 +54,11 @@ class Groups {
     /// The earliest position whose group has half as many as the largest one.
     std::size_t first_of_large() {
         std::map<std::size_t, std::size_t> count;
-        for (const std::size_t cell : of_position_) ++count[root(cell)];
+        for (const std::size_t cell : of_position_) ++count[sets_.root_of(cell)];
         std::size_t largest = 0;
         for (const auto& [group, positions] : count) largest = std::max(largest, positions);
         for (std::size_t k = 0; k < of_position_.size(); ++k) {
-            if (2 * count[root(of_position_[k])] >= largest) return k;
+            if (2 * count[sets_.root_of(of_position_[k])] >= largest) return k;
         }
         return 0;
     }
@@ -64,13 +66,8 @@ class Groups {
   private:
     using Cell = std::array<long, 3>;
 
-    std::size_t root(std::size_t cell) {
-        while (parent_[cell] != cell) cell = parent_[cell] = parent_[parent_[cell]];
-        return cell;
-    }
-
     std::map<Cell, std::size_t> number_;
-    std::vector<std::size_t> parent_;       // by cell
+    UnionFind<std::size_t> sets_;           // of cells
     std::vector<std::size_t> of_position_;  // its cell
 };
 

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 #include "stages/reconstruction/model/tracks.h"
 
 namespace psfm {
@@ -55,9 +56,7 @@ double median_angle_deg(const WorkingModel& model, std::uint32_t image1, std::ui
         }
     }
     if (angles.empty()) return 0.0;
-    const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-    std::ranges::nth_element(angles, middle);
-    return *middle * 180.0 / std::numbers::pi;
+    return degrees_from_radians(upper_median(std::move(angles)));
 }
 
 /// Two cameras and their points, adjusted and filtered. @return whether it is good enough to grow

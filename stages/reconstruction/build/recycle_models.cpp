@@ -3,14 +3,15 @@
 #include "stages/reconstruction/build/recycle_models.h"
 
 #include <algorithm>
-#include <numbers>
 #include <optional>
 #include <ranges>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "graph/sorted_unique.h"
 #include "stages/algorithms/alignment/estimate_cluster_constraint.h"
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
@@ -41,7 +42,7 @@ std::vector<VerifiedPairPtr> edges_between(const LocalGraph& graph, const Recons
 class RotationCheck {
   public:
     RotationCheck(const ClusterProblem& problem, const LocalGraph& graph, double max_deg)
-        : problem_(problem), graph_(graph), max_rad_(max_deg * std::numbers::pi / 180.0) {}
+        : problem_(problem), graph_(graph), max_rad_(radians_from_degrees(max_deg)) {}
 
     bool agrees(const Reconstruction& base, const Reconstruction& part, const Sim3& base_from_part,
                 std::span<const VerifiedPairPtr> edges) const {
@@ -140,9 +141,7 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
         }
     }
     for (std::vector<std::uint32_t>* images : {&recycling.images, &recycling.joint}) {
-        std::ranges::sort(*images);
-        const auto repeated = std::ranges::unique(*images);
-        images->erase(repeated.begin(), repeated.end());
+        sort_unique(*images);
     }
     recycling.left = static_cast<std::uint32_t>(parts.size());
     for (std::size_t p = 0; p < parts.size(); ++p) {

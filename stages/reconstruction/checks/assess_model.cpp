@@ -6,12 +6,13 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <map>
-#include <numbers>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
+#include "stages/algorithms/math/union_find.h"
 #include "stages/algorithms/pose/triangulation.h"
 
 namespace psfm {
@@ -36,10 +37,7 @@ std::uint64_t key_of(ImageId a, ImageId b) {
 
 template <typename T>
 T median(std::vector<T> values) {
-    if (values.empty()) return T{};
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
+    return values.empty() ? T{} : upper_median(std::move(values));
 }
 
 /// body(observation, other observation) for pairs of a track
@@ -51,10 +49,6 @@ void for_each_pair(const ScenePoint& point, const Body& body) {
     for (std::size_t i = 0; i < length; ++i) {
         for (std::size_t j = i + 1; j < length; ++j) body(at(i), at(j));
     }
-}
-
-double degrees(double radians) {
-    return radians * 180.0 / std::numbers::pi;
 }
 
 double median_largest_angle_deg(const Reconstruction& model) {
@@ -69,7 +63,7 @@ double median_largest_angle_deg(const Reconstruction& model) {
         });
         angles.push_back(largest);
     }
-    return degrees(median(std::move(angles)));
+    return degrees_from_radians(median(std::move(angles)));
 }
 
 /// Points by image, and by pair of images.
@@ -92,12 +86,7 @@ Sights count_sights(const Reconstruction& model) {
 }
 
 bool hangs_together(const Reconstruction& model, const Sights& sights, std::uint32_t points) {
-    std::vector<std::size_t> parent(model.images.size());
-    std::iota(parent.begin(), parent.end(), std::size_t{0});
-    const auto root = [&](std::size_t node) {
-        while (parent[node] != node) node = parent[node] = parent[parent[node]];
-        return node;
-    };
+    UnionFind<std::size_t> sets(model.images.size());
     const auto number_of = [&](std::uint64_t id) {
         const RegisteredImage* image = model.find(static_cast<ImageId>(id));
         return static_cast<std::size_t>(image - model.images.data());
@@ -105,11 +94,7 @@ bool hangs_together(const Reconstruction& model, const Sights& sights, std::uint
     std::size_t parts = model.images.size();
     for (const auto& [key, count] : sights.in_common) {
         if (count < points) continue;
-        const std::size_t a = root(number_of(key >> 32U));
-        const std::size_t b = root(number_of(key & 0xffffffffU));
-        if (a == b) continue;
-        parent[a] = b;
-        --parts;
+        if (sets.join(number_of(key >> 32U), number_of(key & 0xffffffffU))) --parts;
     }
     return parts <= 1;
 }
@@ -176,7 +161,7 @@ bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPai
         turns += weight;
         const double turn =
             angle_between(geometry.cam2_from_cam1.rotation, Eigen::Quaterniond::Identity());
-        if (degrees(turn) >= options.min_turn_deg) wide[key_of(a, b)].weight = weight;
+        if (degrees_from_radians(turn) >= options.min_turn_deg) wide[key_of(a, b)].weight = weight;
     }
     if (wide.empty() || turns < options.min_turns * all) return false;
     const Centres centres = centres_of(model);
@@ -193,7 +178,7 @@ bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPai
     for (auto& [key, turn] : wide) {
         if (turn.parallax.empty()) continue;
         seen += turn.weight;
-        if (degrees(median(std::move(turn.parallax))) > options.max_turn_parallax_deg)
+        if (degrees_from_radians(median(std::move(turn.parallax))) > options.max_turn_parallax_deg)
             invented += turn.weight;
     }
     return invented > options.max_invented * seen;

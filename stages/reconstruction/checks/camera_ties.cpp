@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/camera_lens.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
@@ -106,9 +107,7 @@ void tie_kind(const ClusterProblem& problem, std::vector<CameraId> cameras, Came
 
 /// Of the cameras that images were taken with, each once an image.
 const Camera& middle_of(std::vector<const Camera*> cameras) {
-    const auto middle = cameras.begin() + static_cast<std::ptrdiff_t>(cameras.size() / 2);
-    std::ranges::nth_element(cameras, middle, {}, [](const Camera* c) { return c->mean_focal(); });
-    return **middle;
+    return *upper_median(std::move(cameras), [](const Camera* c) { return c->mean_focal(); });
 }
 
 }  // namespace

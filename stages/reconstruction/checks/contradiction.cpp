@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <functional>
-#include <numbers>
 #include <utility>
+
+#include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
@@ -19,7 +20,6 @@ struct ComparedEdge {
 };
 
 std::vector<ComparedEdge> compare(const WorkingModel& model, const LocalGraph& graph) {
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
     std::vector<ComparedEdge> edges;
     for (const VerifiedPairPtr& pair : graph.pairs) {
         const std::uint32_t i = model.numbers().of(pair->pair.first);
@@ -28,7 +28,8 @@ std::vector<ComparedEdge> compare(const WorkingModel& model, const LocalGraph& g
         const Eigen::Quaterniond averaged = graph.rotations[j] * graph.rotations[i].conjugate();
         const Eigen::Quaterniond reconstructed =
             model.pose(j).rotation * model.pose(i).rotation.conjugate();
-        edges.push_back({i, j, pair->pair, kDegrees * averaged.angularDistance(reconstructed)});
+        edges.push_back(
+            {i, j, pair->pair, kDegreesPerRadian * averaged.angularDistance(reconstructed)});
     }
     return edges;
 }

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
@@ -76,7 +76,7 @@ bool sees(const ScenePoint& point, ImageId image) {
 /// What `one` has seen, in the regions of `other`.
 std::vector<Region> expect(const View& one, const View& other, const DoubtOptions& options) {
     std::vector<Region> regions(std::size_t{options.grid} * options.grid);
-    const double min_cosine = std::cos(options.max_angle_deg * std::numbers::pi / 180.0);
+    const double min_cosine = std::cos(radians_from_degrees(options.max_angle_deg));
     const double focal = other.camera->mean_focal() / one.camera->mean_focal();
     const Eigen::Array2d size(other.camera->width, other.camera->height);
     for (const SeenPoint& seen : one.seen) {

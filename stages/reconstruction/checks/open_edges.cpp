@@ -12,17 +12,12 @@
 #include "stages/algorithms/alignment/refine_sim3.h"
 #include "stages/algorithms/alignment/sim3_ransac.h"
 #include "stages/algorithms/math/in_parallel.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
 
 constexpr std::size_t kEdgesATask = 64;
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
 
 EdgeView view_of(const WorkingModel& model, std::uint32_t image) {
     const Camera& camera = model.camera(image);
@@ -83,7 +78,7 @@ PoseGraphEdge edge_at(const WorkingModel& model, const Ends& ends) {
         depths.push_back((position - model.centre(ends.first)).norm());
     }
     const auto count = static_cast<double>(ends.points.size());
-    return {ends.first, ends.second, Sim3{}, anchor / count, median(std::move(depths)), 1.0};
+    return {ends.first, ends.second, Sim3{}, anchor / count, upper_median(std::move(depths)), 1.0};
 }
 
 /// How far the two points of a match are apart over their depth, in the median.
@@ -94,7 +89,7 @@ double gap_of(const WorkingModel& model, const EdgeCorrespondences& found, const
         gaps.push_back((point.in_b - point.in_a).norm() /
                        (point.in_a - model.centre(ends.first)).norm());
     }
-    return median(std::move(gaps));
+    return upper_median(std::move(gaps));
 }
 
 /// The similarity that takes the first image's points to the second's; nothing where they agree on

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/in_parallel.h"
 #include "stages/algorithms/math/kd_tree.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
@@ -29,9 +30,7 @@ double median_depth(const View& view) {
     for (const ScenePoint* point : view.points)
         depths.push_back((point->position - view.centre).dot(view.ahead));
     if (depths.empty()) return 0.0;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::ranges::nth_element(depths, middle);
-    return std::max(0.0, *middle);
+    return std::max(0.0, upper_median(std::move(depths)));
 }
 
 /// Of an image that has seen nothing yet.
@@ -94,7 +93,7 @@ std::vector<std::uint32_t> nearest_of(Nearby near, const PlaceOptions& options) 
 }
 
 double min_cosine(const PlaceOptions& options) {
-    return std::cos(options.max_turn_deg * std::numbers::pi / 180.0);
+    return std::cos(radians_from_degrees(options.max_turn_deg));
 }
 
 /// Images side by side with one: the nearest of them.

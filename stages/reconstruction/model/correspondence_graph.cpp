@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "graph/sorted_unique.h"
 #include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
@@ -63,8 +64,7 @@ void CorrespondenceGraph::gather(std::span<const std::uint32_t> images) const {
     std::vector<std::uint32_t> missing;
     std::ranges::copy_if(images, std::back_inserter(missing),
                          [&](std::uint32_t image) { return matches_[image].offsets.empty(); });
-    std::ranges::sort(missing);
-    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+    sort_unique(missing);
     in_parallel(missing.size(), [&](std::size_t i) { gather(missing[i]); });
 }
 

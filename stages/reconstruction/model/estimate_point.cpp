@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <tuple>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/pose/triangulation.h"
 
 namespace psfm {
 namespace {
 
 using Feature = WorkingModel::Feature;
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kPairsFrom = 20;  // bounds the pairs tried for one point
 
 View view_of(const WorkingModel& model, const Feature& feature) {

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numbers>
 #include <optional>
 
+#include "graph/sorted_unique.h"
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
 namespace {
 
 using Feature = WorkingModel::Feature;
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// The point among those of a feature's matches that explains the feature best, within the error
 /// bound.
@@ -110,8 +110,7 @@ std::vector<std::uint32_t> connected_points(const WorkingModel& model, std::uint
             if (other != WorkingModel::kNoPoint && other != point) connected.push_back(other);
         }
     }
-    std::ranges::sort(connected);
-    connected.erase(std::unique(connected.begin(), connected.end()), connected.end());
+    sort_unique(connected);
     return connected;
 }
 
@@ -157,8 +156,7 @@ std::vector<std::uint32_t> points_seen_by(const WorkingModel& model,
             if (point != WorkingModel::kNoPoint) points.push_back(point);
         }
     }
-    std::ranges::sort(points);
-    points.erase(std::unique(points.begin(), points.end()), points.end());
+    sort_unique(points);
     return points;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "graph/sorted_unique.h"
 #include "stages/algorithms/alignment/rigid_groups.h"
 #include "stages/reconstruction/build/refine_model.h"
 #include "stages/reconstruction/checks/open_edges.h"
@@ -53,9 +54,7 @@ std::vector<std::uint32_t> strained_images(const LoopEdges& edges, const std::ve
         if (residual_of(edge, poses) > kStrain) images.insert(images.end(), {edge.a, edge.b});
     }
     for (const PoseGraphEdge& edge : edges.open) images.insert(images.end(), {edge.a, edge.b});
-    std::ranges::sort(images);
-    const auto repeated = std::ranges::unique(images);
-    images.erase(repeated.begin(), repeated.end());
+    sort_unique(images);
     return images;
 }
 
