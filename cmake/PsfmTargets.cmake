@@ -20,7 +20,7 @@ if(PSFM_SANITIZE)
   target_compile_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE} -fno-omit-frame-pointer -g1)
   target_link_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE})
   if(PSFM_SANITIZE MATCHES "undefined")
-    # Debian's OpenCV and TBB are built without typeinfo that -fsanitize=vptr needs (PARTS.md).
+    # Debian's OpenCV and TBB are built without typeinfo that -fsanitize=vptr needs (docs/parts.md).
     target_compile_options(psfm_flags INTERFACE -fno-sanitize=vptr -fno-sanitize-recover=undefined)
     target_link_options(psfm_flags INTERFACE -fno-sanitize=vptr)
   endif()

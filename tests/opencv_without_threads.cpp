@@ -3,8 +3,9 @@
 //
 // Part of every test, and of the programs that tests run, under ThreadSanitizer: Debian's OpenCV is
 // not instrumented, and what its own parallel loops hand to TBB's threads would be reported as
-// races (PARTS.md). So would its table of image codecs, which whoever decodes the first photograph
-// fills, behind a lock that ThreadSanitizer does not see: it is filled before there are threads.
+// races (docs/parts.md). So would its table of image codecs, which whoever decodes the first
+// photograph fills, behind a lock that ThreadSanitizer does not see: it is filled before there are
+// threads.
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 

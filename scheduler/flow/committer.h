@@ -27,8 +27,8 @@ struct CommitOutput {
     std::optional<PublishMessage> publish;
 };
 
-/// The one writer of a session: applies what the stages found to the state, stores it (the commit
-/// points of DESIGN.md section 4), and decides what is solved, merged and published next. Serial;
+/// The one writer of a session: applies what the stages found to the state, stores it (the
+/// commit points of docs/design.md), and decides what is solved, merged and published next. Serial;
 /// no TBB in here, so that the whole life of a session can be tested message by message.
 ///
 /// REQUIRES of the caller: Extracted messages in order of sequence, Verified messages in order of

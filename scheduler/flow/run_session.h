@@ -60,7 +60,7 @@ struct SessionRun {
     GraphUsage usage;             ///< what the nodes of the flow graph did
 };
 
-/// Takes a session through the flow graph of DESIGN.md section 1 until the source ends and
+/// Takes a session through the flow graph (docs/architecture.md) until the source ends and
 /// everything is solved, or `stop` is set: then commits under way are finished, and the rest is
 /// left for the next run. Photographs that the session has (by name), or has rejected for what is
 /// in them, are skipped where their files have not changed (compare_with_session says more of

@@ -13,11 +13,11 @@
 
 namespace psfm {
 
-/// The log of a session as JSON lines (DESIGN.md section 5): an "image" event for every image once
-/// a published version takes account of it, "rejected", "join", "split", "reset", "transfer" and
-/// "solve" events as they happen, and at the end of a run "nodes", what the nodes of the flow graph
-/// did. Every line is written at once, so that the log can be followed; what cannot be (a full
-/// disk) is kept, and written when it can. Appends. Not thread-safe.
+/// The log of a session as JSON lines (docs/commands.md, "The log"): an "image" event for every
+/// image once a published version takes account of it, "rejected", "join", "split", "reset",
+/// "transfer" and "solve" events as they happen, and at the end of a run "nodes", what the nodes of
+/// the flow graph did. Every line is written at once, so that the log can be followed; what cannot
+/// be (a full disk) is kept, and written when it can. Appends. Not thread-safe.
 class EventLog {
   public:
     /// @errors kIo, kNoSpace (the file cannot be opened for writing)

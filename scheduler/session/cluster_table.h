@@ -20,7 +20,8 @@
 
 namespace psfm {
 
-/// Where a cluster is in its life (DESIGN.md, "Dirty clusters").
+/// Where a cluster is in its life: clean; changed since it was solved; in a solve; changed while it
+/// is in one (docs/design.md: one solve of a cluster is in flight at most).
 enum class ClusterPhase : std::uint8_t { kClean, kDirty, kSolving, kSolvingDirty };
 
 /// A model that a cluster's next solve starts from.

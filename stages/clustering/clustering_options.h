@@ -13,7 +13,7 @@ namespace psfm {
 enum class JaccardForm : std::uint8_t {
     /// i and j themselves as well: an edge adds 2 M_ij to the numerator. A triangle of equal edges
     /// has
-    /// distance 0, so that a cluster can begin with its first edge. Ours (DESIGN.md section 3).
+    /// distance 0, so that a cluster can begin with its first edge. Ours (docs/design.md).
     kMutual,
     /// The paper's formula as printed: with M_ii = 0 a triangle of equal edges has distance 0.5,
     /// and a

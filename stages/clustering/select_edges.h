@@ -20,7 +20,7 @@ struct EdgeSelectionOptions {
     /// Verified inliers that an edge needs. Raised: sparse overlaps are lost, and with them images
     /// and the connections between clusters. Lowered: chance agreements become edges. Ours: a free
     /// fundamental matrix finds 40 to 60 inliers between temple images that share nothing, true
-    /// neighbours there have 150 at 20 degrees and 63 at 30 (DATASETS.md).
+    /// neighbours there have 150 at 20 degrees and 63 at 30 (temple-341 of docs/datasets.md).
     std::uint32_t min_inliers = 30;
     /// An edge that is less plausible (see plausibility) than this part of what both of its images
     /// reach elsewhere is none; 0: every pair is an edge, as in the paper. Raised: weak true

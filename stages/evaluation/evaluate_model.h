@@ -19,7 +19,7 @@ struct EvaluationOptions {
     RobustAlignmentOptions alignment{};
     /// Where two reference cameras nearly coincide, the smallest distance is taken as at least this
     /// part of the median nearest-neighbour distance. Raised: coarser outliers; lowered: a
-    /// reference with a near duplicate calls everything an outlier. Source: shared/DATASETS.md,
+    /// reference with a near duplicate calls everything an outlier. Source: docs/datasets.md,
     /// definition of an outlier camera.
     double min_spacing_ratio = 0.25;
 };
@@ -59,7 +59,7 @@ struct ModelEvaluation {
 Result<double> outlier_threshold(std::span<const NamedPose> reference,
                                  const EvaluationOptions& options);
 
-/// Compares a model with a reference by the definitions of shared/DATASETS.md. Where the centres
+/// Compares a model with a reference by the definitions of docs/datasets.md. Where the centres
 /// lie on one line, the turn about it, which they leave free, is the one that fits the orientations
 /// best.
 /// @errors kTooFewMatches (fewer than three common images), kDegenerate (the centres of one side

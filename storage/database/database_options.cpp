@@ -46,7 +46,7 @@ rocksdb::ColumnFamilyOptions family_options(Family family,
     options.write_buffer_size = is_bulk(family) ? 16 * kMiB : 4 * kMiB;
     options.max_write_buffer_number = 2;
     options.target_file_size_base = 32 * kMiB;
-    options.enable_blob_files = false;  // secondary instances crash with them (PARTS.md)
+    options.enable_blob_files = false;  // secondary instances crash with them (docs/parts.md)
     options.compression = rocksdb::kNoCompression;
     const std::vector<rocksdb::CompressionType> supported = rocksdb::GetSupportedCompressions();
     if (!is_bulk(family) &&

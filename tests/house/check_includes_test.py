@@ -21,6 +21,8 @@ scheduler:
 
 
 class CheckIncludes(unittest.TestCase):
+    THERE = "docs/there" + ".md"
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -148,6 +150,19 @@ class CheckIncludes(unittest.TestCase):
 
     def test_no_printing(self):
         self.assert_found("scheduler/a.cpp", 'void f() { std::cout << "x"; }\n', "may not print")
+
+    def test_mentioned_documents_are_there(self):
+        gone = "GONE" + ".md"  # in two parts, or the check finds it here
+        self.assert_found("graph/a.cpp", f"// As {gone} says.\n", f"{gone} is no document")
+        self.write("graph/a.cpp", "// As docs/there" + ".md says, and there" + ".md.\n")
+        self.write(self.THERE, "# There\n", head="")
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found(self.THERE, f"# There\n\nAs in [it](../docs/{gone}).\n", "is no document", head="")
+        self.write(self.THERE, "# There\n", head="")
+        self.write("CHANGELOG.md", f"{gone} is gone.\n", head="")
+        self.write("docs/notebook/old" + ".md", f"{gone} was there.\n", head="")
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found("graph/a.cpp", "// As tools/there" + ".md says.\n", "is no document")
 
     def test_empty_tree_is_no_success(self):
         with tempfile.TemporaryDirectory() as empty:

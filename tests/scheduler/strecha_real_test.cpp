@@ -115,7 +115,7 @@ TEST_P(StrechaRealTest, NothingKnownOrSaid) {
     EXPECT_LE(reconstruct(config).position_relative, GetParam().unknown_relative);
 }
 
-// What COLMAP 3.8 reaches on the same photographs, and a tenth (shared/DATASETS.md).
+// What COLMAP 3.8 reaches on the same photographs, and a tenth (scenes of docs/datasets.md).
 INSTANTIATE_TEST_SUITE_P(Scenes, StrechaRealTest,
                          testing::Values(Scene{"Herz-Jesus-P8", 8, 4.0, 0.00055},
                                          Scene{"fountain-P11", 11, 3.0, 0.00045},

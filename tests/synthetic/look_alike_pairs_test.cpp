@@ -39,7 +39,7 @@ std::size_t common_looks(const LookAlikeScene& scene, ImagePair pair) {
     return count;
 }
 
-/// DATASETS.md: what SIFT's matches say about temple-341, mean over pairs.
+/// What SIFT's matches say about temple-341, mean over pairs.
 TEST(TemplePairs, FallOffAsMeasured) {
     const LookAlikeScene scene = make_temple({.images = 360}, 7);
     const LookAlikeIndex index = index_looks(scene);

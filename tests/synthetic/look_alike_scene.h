@@ -45,7 +45,7 @@ struct LookAlikeScene {
 };
 
 /// One ring of cameras around a round building of `symmetry` equal sides. Defaults: what SIFT's
-/// matches say about temple-341 (DATASETS.md: 1393, 574, 356, 150, 63 true matches at 1, 5, 10, 20
+/// matches say about temple-341 (measured: 1393, 574, 356, 150, 63 true matches at 1, 5, 10, 20
 /// and 30 degrees apart, about 172 between images a side apart), fitted with least squares of
 /// relative errors.
 /// Names temple_0000.jpg, … in order of angle. Order: each image followed by its look-alike one

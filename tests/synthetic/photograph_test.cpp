@@ -192,7 +192,7 @@ MatchQuality match_quality(const PhotoSetOptions& options, std::size_t first, st
         cv::SIFT::create(3000)->detectAndCompute(image, {}, keypoints[i], descriptors[i]);
     }
     // OpenCV 4.6's SIFT is a quarter of a pixel off, and counts from the first pixel's centre
-    // (PARTS.md).
+    // (docs/parts.md).
     const auto ray = [&](std::size_t i, int index) {
         const cv::Point2f at = keypoints[i][static_cast<std::size_t>(index)].pt;
         return normalized_from_pixel(plan.camera, {at.x + 0.25, at.y + 0.25});

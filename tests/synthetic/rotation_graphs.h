@@ -49,8 +49,8 @@ RotationGraph make_random_rotations(const RandomRotationOptions& options, std::u
 /// reach_deg apart have a right edge. Images further apart, but within reach_deg of a whole number
 /// of sides, look alike: their edge is the rotation that they would have were they on the same
 /// side. All these wrong edges agree with one another. Defaults: what SIFT's matches say about
-/// temple-341 (DATASETS.md), where right edges have 850 * exp(-degrees / 11.5) inliers beyond 5
-/// degrees and look-alikes a fifth of that.
+/// temple-341 (docs/datasets.md), where right edges have 850 * exp(-degrees / 11.5) inliers beyond
+/// 5 degrees and look-alikes a fifth of that.
 struct FoldedRingOptions {
     std::uint32_t nodes = 60;
     std::uint32_t folds = 6;

@@ -96,7 +96,7 @@ TEST(FoldedRing, LookAlikesAgreeWithTheFoldedStoryButForTheSeam) {
 }
 
 TEST(FoldedRing, WeighsEdgesAsTheTempleDoes) {
-    // DATASETS.md, inliers at 10, 20 and 30 degrees, and of look-alikes at 60 and 75.
+    // Of temple-341: inliers at 10, 20 and 30 degrees, and of look-alikes at 60 and 75.
     const FoldedRing ring = make_folded_ring({.nodes = 72}, 1);
     const auto weight = [&](std::uint32_t apart) {
         for (const RotationEdge& edge : ring.graph.edges) {

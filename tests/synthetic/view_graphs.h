@@ -43,7 +43,7 @@ struct LookAlikeRingOptions {
     std::uint32_t folds = 6;  ///< sides that look alike; 1: no look-alikes
     std::uint32_t reach = 5;
     double peak_weight = 1000.0;     ///< of an image with itself, if it were
-    double look_alike_ratio = 0.12;  ///< 172 of 1393 on temple-341 (DATASETS.md)
+    double look_alike_ratio = 0.12;  ///< 172 of 1393 on temple-341 (docs/datasets.md)
 };
 WeightedGraph make_look_alike_ring(const LookAlikeRingOptions& options, std::uint64_t seed);
 

@@ -10,9 +10,9 @@ namespace psfm {
 
 // The commands of psfm, one source file each. A call registers the command with the application:
 // its options, and help that teaches it. When the user has chosen the command, parsing runs it, and
-// it leaves the program's exit code (shared/DESIGN.md section 5) in `exit_code`: 0 done, 2 usage, 3
-// bad input, 4 store damaged, 1 anything else. Failures have been reported on stderr by then.
-// REQUIRES: `exit_code` outlives the application's parsing.
+// it leaves the program's exit code (docs/commands.md, "Exit codes") in `exit_code`: 0 done, 2
+// usage, 3 bad input, 4 store damaged, 1 anything else. Failures have been reported on stderr by
+// then. REQUIRES: `exit_code` outlives the application's parsing.
 
 void add_run_command(CLI::App& app, int& exit_code);
 void add_resume_command(CLI::App& app, int& exit_code);

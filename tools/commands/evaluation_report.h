@@ -39,7 +39,7 @@ struct EvaluationReport {
     std::optional<std::vector<EvaluatedVersion>> versions;
 };
 
-/// One JSON object with the keys of shared/DESIGN.md section 5, ending in a newline. Values that
+/// One JSON object with the keys of docs/commands.md (evaluate), ending in a newline. Values that
 /// could not be computed are null, and "error" then says why.
 std::string to_json(const EvaluationReport& report);
 

@@ -10,8 +10,8 @@ namespace psfm {
 /// input.
 enum class ErrorOrigin { kSession, kOtherInput };
 
-/// Exit code of a failure: 3 bad input, 4 store damaged, 1 anything else (shared/DESIGN.md section
-/// 5).
+/// Exit code of a failure: 3 bad input, 4 store damaged, 1 anything else (docs/commands.md,
+/// "Exit codes").
 int exit_code_of(const Error& error, ErrorOrigin origin);
 
 /// Writes `psfm: message` to stderr. @return exit_code_of(error, origin)

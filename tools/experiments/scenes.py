@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Photographs:
-    """A folder of DATASETS.md; paths are relative to $PSFM_DATASETS."""
+    """A folder of docs/datasets.md; paths are relative to $PSFM_DATASETS."""
     name: str
     images: str
     reference: str | None = None

@@ -26,7 +26,7 @@ struct ModelSource {
 /// How exactly watchers are told where points and cameras are.
 struct ShowOptions {
     /// What has moved by less of the model's extent, beside the cluster as a whole, is not told.
-    /// Higher: a model that looks wrong; lower: more bytes (LIVE figures: 3 times the points of the
+    /// Higher: a model that looks wrong; lower: more bytes (3 times the points of the
     /// final model at 0.005, 19 times at 0.0001). While photographs come; ours.
     double tolerance = 0.005;
     /// The same once everything has settled.

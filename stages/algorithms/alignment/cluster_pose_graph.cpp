@@ -20,7 +20,7 @@ namespace psfm {
 namespace {
 
 /// Quaternion x y z w, translation, log scale of component_from_cluster. All in one array: Ceres
-/// repeats its results to the bit only then (PARTS.md).
+/// repeats its results to the bit only then (docs/parts.md).
 using Pose = std::array<double, 8>;
 
 Pose pack(const Sim3& sim) {

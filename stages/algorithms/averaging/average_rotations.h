@@ -37,7 +37,7 @@ struct RotationAveragingOptions {
     /// Edges count weight^weight_power. 0: all alike. Raised: strong edges decide alone; an image
     /// whose only strong edge is wrong is lost. 1: paper ("edge weighting depending on the number
     /// of verified correspondences"). 2 with strongest_edges_per_node 10 keeps the temple from
-    /// folding (DATASETS.md).
+    /// folding (docs/look-alikes.md, "Rotations").
     double weight_power = 1.0;
     /// Only each node's so many strongest edges (and the spanning tree) pull at the rotations;
     /// residuals are given for all. 0: all edges, as in the paper. Lowered: weak edges, right or
@@ -90,8 +90,8 @@ struct RotationAveraging {
 /// RotationNorm) and in step control: a linearisation that does not lower the L1 sum is halved
 /// until it does.
 ///
-/// The L1 optimum is no protection against wrong edges that agree with one another (DATASETS.md,
-/// the temple): see weight_power and strongest_edges_per_node.
+/// The L1 optimum is no protection against wrong edges that agree with one another (the
+/// temple of docs/look-alikes.md): see weight_power and strongest_edges_per_node.
 ///
 /// @param edges any number, several between two nodes allowed; nodes without edges are components
 /// of their own

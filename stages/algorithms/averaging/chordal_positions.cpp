@@ -65,7 +65,7 @@ Result<Columns3> refine_positions(const std::vector<RelativeDirection>& edges, C
     ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem problem(ownership);
-    // All blocks in one array: bitwise repeatable (PARTS.md).
+    // All blocks in one array: bitwise repeatable (docs/parts.md).
     const auto block = [&](std::uint32_t node) { return positions.col(node).data(); };
     for (std::uint32_t node = 0; node < positions.cols(); ++node) {
         problem.AddParameterBlock(block(node), 3);
@@ -90,7 +90,7 @@ Result<Columns3> refine_positions(const std::vector<RelativeDirection>& edges, C
     ceres::Solver::Options solver;
     // Most nodes are points, which have directions to images only: Ceres finds and eliminates them.
     solver.linear_solver_type = ceres::SPARSE_SCHUR;
-    // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (PARTS.md).
+    // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (docs/parts.md).
     solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     solver.max_num_iterations = options.max_refinement_iterations;
     solver.num_threads = 1;

@@ -88,7 +88,7 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
     ceres::Solver::Options solver;
     solver.linear_solver_ordering.reset(ordering);
     solver.linear_solver_type = ceres::SPARSE_SCHUR;
-    // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (PARTS.md).
+    // EIGEN_SPARSE does not depend on OpenBLAS's threads and core type (docs/parts.md).
     solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     solver.max_num_iterations = options.max_iterations;
     solver.function_tolerance = options.function_tolerance;

@@ -65,7 +65,7 @@ struct AdjustmentReport {
 
 /// Bundle adjustment, on the reduced camera system with TBB or, for very many images, with Ceres on
 /// one thread: bitwise repeatable for equal models, on any number of threads (Ceres's parameter
-/// blocks all lie in one array, see PARTS.md).
+/// blocks all lie in one array, see docs/parts.md).
 /// @param cancel  when it becomes true the adjustment ends after the step under way, and the model
 /// stays as it was; Ceres goes on to its end. May be null
 /// @errors kDegenerate (nothing to adjust, or the solver found no usable step), kCancelled

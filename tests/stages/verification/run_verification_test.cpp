@@ -110,7 +110,7 @@ TEST(RunVerification, OrderAndRepetitionOfCandidatesDoNotChangeTheResult) {
     EXPECT_EQ(reversed->statistics.tried, 7U);
 }
 
-/// The promise of DESIGN.md: a pair verifies alike in every order of arrival.
+/// A promise of docs/design.md: a pair verifies alike in every order of arrival.
 void expect_inverse_geometry_when_exchanged(const VerificationOptions& options) {
     std::vector<ImageFeatures> images = make_images();
     for (const std::size_t other : {0U, 1U, 5U, 6U}) {

@@ -117,8 +117,9 @@ TEST(AverageRotations, KeepsACleanRing) {
     EXPECT_LT(max_rotation_error_deg(result.node_from_reference, ring.cam_from_world), 1.0);
 }
 
-/// DATASETS.md, the temple: where look-alikes agree with one another, the L1 optimum of all edges
-/// is wrong although its start is right. Stands here so that nobody takes the default for safe.
+/// The temple of docs/look-alikes.md: where look-alikes agree with one another, the L1 optimum of
+/// all edges is wrong although its start is right. Stands here so that nobody takes the default for
+/// safe.
 TEST(AverageRotations, L1OverAllEdgesFoldsARingOfLookAlikes) {
     const synthetic::FoldedRing ring = synthetic::make_folded_ring({.nodes = 114}, 1);
     const RotationAveraging start = average(ring.graph, {.max_iterations = 0});
