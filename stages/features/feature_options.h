@@ -23,8 +23,6 @@ struct FeatureOptions {
 };
 
 /// @errors kInvalidArgument, naming the field and its range
-Result<void> validate(const ReadPhotoOptions& options);
-Result<void> validate(const SiftOptions& options);
 Result<void> validate(const FeatureOptions& options);
 
 }  // namespace psfm

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "graph/result.h"
+
 namespace psfm {
 
 /// What counts as a photograph at all.
@@ -20,5 +22,8 @@ struct ReadPhotoOptions {
     /// uncompressed TIFFs are refused. Ours: 200 megapixels of 16-bit RGB fit.
     std::uint32_t max_file_mib = 1200;
 };
+
+/// @errors kInvalidArgument, naming the field and its range
+Result<void> validate(const ReadPhotoOptions& options);
 
 }  // namespace psfm

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "graph/result.h"
+
 namespace psfm {
 
 /// Detection and description of SIFT features (Lowe, IJCV 2004).
@@ -37,5 +39,8 @@ struct SiftOptions {
     /// 6,400 px that photographs of 3,200 px are doubled to.
     std::uint32_t strip_mib = 96;
 };
+
+/// @errors kInvalidArgument, naming the field and its range
+Result<void> validate(const SiftOptions& options);
 
 }  // namespace psfm
