@@ -9,6 +9,7 @@
 #include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/median.h"
 #include "stages/algorithms/pose/triangulation.h"
+#include "stages/reconstruction/adjust/bundle_adjustment.h"
 #include "stages/reconstruction/model/tracks.h"
 
 namespace psfm {

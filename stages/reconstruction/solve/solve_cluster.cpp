@@ -13,6 +13,7 @@
 #include "stages/reconstruction/build/recycle_models.h"
 #include "stages/reconstruction/build/refine_model.h"
 #include "stages/reconstruction/build/solve_global.h"
+#include "stages/reconstruction/checks/assess_model.h"
 #include "stages/reconstruction/checks/contradiction.h"
 #include "stages/reconstruction/checks/judge_model.h"
 #include "stages/reconstruction/checks/separate_places.h"

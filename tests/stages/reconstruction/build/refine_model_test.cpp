@@ -9,6 +9,7 @@
 #include <iterator>
 #include <vector>
 
+#include "stages/reconstruction/adjust/bundle_adjustment.h"
 #include "stages/reconstruction/model/tracks.h"
 #include "stages/reconstruction/solve/solve_cluster.h"
 #include "tests/stages/reconstruction/problems.h"
