@@ -59,6 +59,8 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.min_observations, 1, kCount, "observations that keep an image in its model"),
     PSFM_OPTION(solve.mu_max, 2, kCount, "images up to which a new cluster is started incrementally"),
     PSFM_OPTION(solve.mu_min, 2, kCount, "images that a cluster needs to be reconstructed"),
+    PSFM_OPTION(solve.settling.noise.loss, 0, 1000, "width of the settling adjustment's loss, in noises of the model; 0: 1 px"),
+    PSFM_OPTION(solve.settling.noise.max_error, 0, 1000, "error of an observation that settling keeps, in noises of the model; 0: as while growing"),
     PSFM_OPTION(solve.tracks.max_error_px, 0.01, 1000, "largest reprojection error of an observation [px]"),
     PSFM_OPTION(solve.tracks.min_angle_deg, 0, 180, "least triangulation angle of a point [deg]"),
     PSFM_OPTION(verification.cells.max_excess, 0, 4, "how much farther cells of descriptors are looked into"),

@@ -35,4 +35,19 @@ struct AdjustmentOptions {
 
 Result<void> validate(const AdjustmentOptions& options);
 
+/// How far what is right may be off, by a model's noise.
+struct NoiseBounds {
+    /// Width of the loss, in noises: what is right keeps its weight, what is off by more loses it,
+    /// also where the noise is a twentieth of a pixel. Raised: a few wrong observations of exact
+    /// features bend the model as a whole (a flight over a plane, without EXIF, by 16 % of its
+    /// focal length); lowered: right ones lose weight. 0: the loss stays as it is. Scale of an
+    /// M-estimator: Huber, Robust Statistics, 1981, ch. 7; the number is ours, tuned on castle-P19
+    /// and a rendered flight, judged on the other scenes (docs/accuracy.md).
+    double loss = 0.0;
+    /// Error of an observation that is kept at most, in noises. Raised: as above; lowered: large
+    /// features, which are found less exactly, are lost. 0: the bound stays as it is. Ours, tuned
+    /// as above.
+    double max_error = 0.0;
+};
+
 }  // namespace psfm

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "stages/reconstruction/adjust/observation_noise.h"
 #include "stages/reconstruction/adjust/thin_points.h"
 #include "stages/reconstruction/model/tracks.h"
 
@@ -82,35 +83,48 @@ AdjustmentScope scope_of(const WorkingModel& model, std::span<const std::uint32_
     return scope;
 }
 
+/// Whether an adjustment has shown the noise to be so much less that another one is worth it.
+bool is_narrower(const AdjustmentOptions& next, const AdjustmentOptions& last) {
+    return next.loss_scale_px < 0.8 * last.loss_scale_px;
+}
+
 /// Adjusts a region of the model, or all of it when none is given.
 Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_t>& region,
                              bool fix_intrinsics, const RefinementOptions& refinement,
                              const SolveOptions& options, const std::atomic<bool>* cancel) {
     std::uint32_t adjustments = 0;
     for (int round = 0; round < refinement.max_rounds; ++round) {
-        std::size_t changed = complete_tracks(model, region, options.tracks);
-        changed += merge_tracks(model, region, options.tracks);
+        TrackOptions tracks = options.tracks;
+        tracks.max_error_px = max_error_by_noise(model, refinement.adjustment, refinement.noise,
+                                                 options.tracks.max_error_px);
+        std::size_t changed = complete_tracks(model, region, tracks);
+        changed += merge_tracks(model, region, tracks);
         for (const std::uint32_t image : region.empty() ? registered_images(model) : region)
-            changed += triangulate_image(model, image, options.tracks);
+            changed += triangulate_image(model, image, tracks);
         const bool free_intrinsics =
             !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
         const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
         // Half a megabyte an image, which is not looked at before the next round.
         model.matches().forget();
-        const auto report = adjust(model, scope, refinement.adjustment, cancel);
+        const AdjustmentOptions adjustment =
+            fitted_to_noise(model, refinement.adjustment, refinement.noise);
+        const auto report = adjust(model, scope, adjustment, cancel);
         if (!report.ok()) return report.error();
         ++adjustments;
         if (scope.points) {
             std::vector<std::uint32_t> others;
             std::ranges::set_difference(points_seen_by(model, region), *scope.points,
                                         std::back_inserter(others));
-            refine_points(model, others, refinement.adjustment);
+            refine_points(model, others, adjustment);
         }
-        changed += filter_tracks(model, region, options.tracks);
+        changed += filter_tracks(model, region, tracks);
         // A region is chosen anew where one of its images is gone.
         if (remove_weak_images(model, options) > 0 && !region.empty()) break;
-        if (static_cast<double>(changed) <
-            refinement.max_change * static_cast<double>(observation_count(model, region)))
+        const bool is_steady =
+            static_cast<double>(changed) <
+            refinement.max_change * static_cast<double>(observation_count(model, region));
+        if (is_steady &&
+            !is_narrower(fitted_to_noise(model, adjustment, refinement.noise), adjustment))
             break;
     }
     return adjustments;

@@ -56,6 +56,8 @@ struct RefinementOptions {
     /// Images from which points are thinned so. Ours: small models are adjusted soon enough, and
     /// settled models of common size keep all they have.
     std::uint32_t thin_from_images = 20;
+    /// How far observations may be off. None: by `adjustment` and SolveOptions::tracks alone.
+    NoiseBounds noise = {};
 };
 
 /// Starting a model with all images at once.
@@ -181,8 +183,10 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 5, .function_tolerance = 1e-4},
         .max_rounds = 1,
         .points_per_image = 200};
-    RefinementOptions settling{
-        .images_for_principal_point = 5, .points_per_image = 2500, .thin_from_images = 200};
+    RefinementOptions settling{.images_for_principal_point = 5,
+                               .points_per_image = 2500,
+                               .thin_from_images = 200,
+                               .noise = {.loss = 3.0, .max_error = 12.0}};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
     /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
     /// tenth of the time (docs/look-alikes.md).

@@ -15,6 +15,11 @@ struct TieOptions {
     /// shutter or wrong points, gives photographs cameras of their own.
     /// Ours (docs/accuracy.md).
     double min_gain = 1.3;
+    /// Error of a coordinate that no camera is blamed for [px]. Raised: mixed zoom of exact
+    /// features stays mixed; lowered: where features are exact to a twentieth of a pixel, a camera
+    /// that explains some wrong ones as well wanders off by itself (a flight over a plane). Ours
+    /// (docs/accuracy.md).
+    double excused_px = 0.1;
     /// And its focal length has to differ by this part at least. Raised: as above; lowered: focus,
     /// which moves focal lengths by a per cent or two, parts cameras. Ours.
     double min_deviation = 0.03;
