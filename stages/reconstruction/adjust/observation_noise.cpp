@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "stages/algorithms/math/upper_median.h"
+#include "stages/algorithms/math/median.h"
 #include "stages/reconstruction/adjust/bundle_adjustment.h"
 
 namespace psfm {
