@@ -51,6 +51,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.doubt.max_images, 0, 2000, "images up to which a model is compared with others at the end; 0: none is"),
     PSFM_OPTION(solve.doubt.min_missing_part, 0.01, 1, "part of a pair's regions that are missing where it contradicts its model"),
     PSFM_OPTION(solve.eta_grow, 0, 100, "growth after which all of a model is adjusted"),
+    PSFM_OPTION(solve.few_points.min_points, 0, kCount, "points that an image needs which no model sees enough of; 0: as any"),
     PSFM_OPTION(solve.initialization.max_pairs, 1, kCount, "pairs tried for one start"),
     PSFM_OPTION(solve.initialization.min_angle_deg, 0, 180, "median triangulation angle of a start [deg]"),
     PSFM_OPTION(solve.initialization.min_points, 5, kCount, "points of a start"),

@@ -53,6 +53,7 @@ std::map<std::string, double> options_before_they_were_stored() {
             {"edges.still.min_pairs", 0},
             {"solve.assessment.max_invented", 0},
             {"solve.doubt.max_images", 0},
+            {"solve.few_points.min_points", 0},
             {"solve.settling.noise.loss", 0},
             {"solve.settling.noise.max_error", 0},
             {"verification.cells.min_strongest_matches", 10},
@@ -85,6 +86,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.plausibility.reset();
         options.solve.settling.images_for_principal_point = 0;
         options.solve.settling.noise = NoiseBounds{};
+        options.solve.few_points.min_points = 0;
         options.solve.max_reset_images = 0.0;
         options.solve.places.min_contradictions = 0;
         options.solve.loops.min_open_edges = 0;

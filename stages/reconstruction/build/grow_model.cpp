@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "stages/reconstruction/build/refine_model.h"
 #include "stages/reconstruction/model/cancelled.h"
@@ -43,9 +44,27 @@ bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
     return false;
 }
 
+/// What an image needs to be placed.
+struct Demand {
+    AbsolutePoseOptions pose;
+    std::uint32_t observations = 0;  ///< once its surroundings are adjusted
+};
+
+/// Of any image; then of those that are left over, if these are asked for less.
+std::vector<Demand> demands(const SolveOptions& options) {
+    std::vector<Demand> demands = {{options.absolute_pose, options.absolute_pose.min_inliers}};
+    const FewPointsOptions& few = options.few_points;
+    if (few.min_points > 0 && few.min_points < options.absolute_pose.min_inliers) {
+        demands.push_back({options.absolute_pose, few.min_observations});
+        demands.back().pose.min_inliers = few.min_points;
+        demands.back().pose.min_inlier_ratio = few.min_inlier_ratio;
+    }
+    return demands;
+}
+
 /// Pose from the points that the image's features are matched with.
 bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
-                    const SolveOptions& options) {
+                    const AbsolutePoseOptions& options) {
     std::vector<Feature> features;
     std::vector<std::uint32_t> points;
     std::vector<Eigen::Vector2d> pixels;
@@ -67,8 +86,8 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
     }
     const bool refine_focal = !problem.fix_intrinsics && !camera_is_settled(model, image);
     const std::uint64_t seed = problem.seed ^ problem.images[image].content_hash;
-    const auto pose = estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal,
-                                             options.absolute_pose, seed);
+    const auto pose =
+        estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal, options, seed);
     if (!pose.ok()) return false;
     if (refine_focal) {
         model.mutable_camera(model.camera_id(image)) = pose->camera;
@@ -85,14 +104,15 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
 
 /// Structure around a newly registered image. @return whether the image keeps enough observations
 bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
-                  const SolveOptions& options, SolveStatistics& statistics) {
+                  std::uint32_t min_observations, const SolveOptions& options,
+                  SolveStatistics& statistics) {
     statistics.local_adjustments +=
         refine_locally(model, std::span(&image, 1), problem.fix_intrinsics, options);
     std::uint32_t observations = 0;
     for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
         if (model.point_of({image, index}) != WorkingModel::kNoPoint) ++observations;
     }
-    if (observations >= options.absolute_pose.min_inliers) return true;
+    if (observations >= min_observations) return true;
     model.remove_image(image);
     return false;
 }
@@ -102,15 +122,22 @@ bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem
 Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
                         const SolveOptions& options, const std::atomic<bool>* cancel,
                         SolveState& state, SolveStatistics& statistics, std::uint32_t at_most) {
+    const std::vector<Demand> asked = demands(options);
     std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
     const std::uint32_t before = statistics.registered;
     while (statistics.registered - before < at_most) {
-        const auto image = next_image(model, points_at_last_try, options.absolute_pose.min_inliers);
+        std::optional<std::uint32_t> image;
+        auto demand = asked.begin();
+        for (; demand != asked.end(); ++demand) {
+            image = next_image(model, points_at_last_try, demand->pose.min_inliers);
+            if (image) break;
+        }
         if (!image) break;
         if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
         points_at_last_try[*image] = model.visible_points(*image);
-        if (!register_image(model, *image, problem, options)) continue;
-        if (!settle_image(model, *image, problem, options, statistics)) continue;
+        if (!register_image(model, *image, problem, demand->pose)) continue;
+        if (!settle_image(model, *image, problem, demand->observations, options, statistics))
+            continue;
         ++statistics.registered;
         const double grown =
             static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;

@@ -17,7 +17,7 @@ namespace psfm {
 /// Adds images to a model, one after the other, until no more can be placed (paper, "Extend"): the
 /// one that sees most points, spread best, is registered by P3P, its tracks are continued, created
 /// and split, its surroundings adjusted; all of the model is adjusted whenever it has grown by
-/// eta_grow.
+/// eta_grow. What then is left is asked for fewer points (FewPointsOptions).
 /// @param state  images at the last full adjustment: read and written
 /// @param at_most  so many images are added
 /// @return counts; SolveStatistics::kind is left alone

@@ -37,6 +37,11 @@ Result<void> validate(const SolveOptions& options) {
     if (options.plausibility) {
         if (auto valid = validate(*options.plausibility); !valid) return valid;
     }
+    if (!(options.few_points.min_inlier_ratio > 0) || !(options.few_points.min_inlier_ratio <= 1) ||
+        (options.few_points.min_points > 0 && options.few_points.min_points < 4)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "a pose needs four points, and agrees with a part of them, at most all"};
+    }
     if (!(options.max_reset_images >= 0) || !(options.max_contradicting_edges >= 0)) {
         return Error{ErrorCode::kInvalidArgument,
                      "max_reset_images and max_contradicting_edges are parts of a whole, not "
