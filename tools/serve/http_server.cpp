@@ -69,7 +69,6 @@ HttpResponse parse_problem(const error_code& error) {
         response = problem(431, "the header of the request is too long");
     if (error == bhttp::error::body_limit)
         response = problem(413, "the body of the request is too long");
-    if (error == beast::error::timeout) response = problem(408, "the request did not come in time");
     response.close = true;
     return response;
 }
