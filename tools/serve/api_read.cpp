@@ -126,7 +126,7 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
             return plan;
         }
         if (what == "session")
-            return by_work([this, user](const HttpRequest&) { return session(user); });
+            return by_work([this, user](const HttpRequest& r) { return session(user, r); });
         if (what == "scene") return by_work([this](const HttpRequest& r) { return scene(r); });
         if (what == "replay") return by_work([this](const HttpRequest& r) { return replay(r); });
     }
@@ -134,8 +134,11 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
         return by_work([this](const HttpRequest& r) { return changes(r); });
     if (parts.size() == 5 && what == "images" && id(4))
         return by_work([this, k = *id(4)](const HttpRequest&) { return image(k); });
-    if (parts.size() == 6 && what == "images" && id(4) && parts[5] == "thumbnail")
-        return by_work([this, k = *id(4)](const HttpRequest&) { return thumbnail(k); });
+    if (parts.size() == 6 && what == "images" && id(4) && parts[5] == "thumbnail") {
+        HttpPlan plan = by_work([this, k = *id(4)](const HttpRequest&) { return thumbnail(k); });
+        plan.is_slow = true;  // a photograph is decoded for it
+        return plan;
+    }
     if (parts.size() == 6 && what == "points" && id(4) && id(5))
         return by_work([this, a = *id(4), b = *id(5)](const HttpRequest&) { return point(a, b); });
     if (parts.size() == 6 && what == "pairs" && id(4) && id(5))
@@ -193,10 +196,18 @@ HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
     return plan;
 }
 
-HttpResponse Api::session(const User& user) const {
-    std::string text = parts_.live->session(user.name, std::string(role_name(user.role)));
-    if (text.empty()) return problem(503, "the session cannot be read at the moment; try again");
-    return json_response(200, std::move(text));
+HttpResponse Api::session(const User& user, const HttpRequest& request) const {
+    const auto text = parts_.live->session(user.name, std::string(role_name(user.role)));
+    if (!text.plain) return problem(503, "the session cannot be read at the moment; try again");
+    HttpResponse response = json_response(200, {});
+    response.headers.emplace_back("Vary", "Accept-Encoding");
+    if (request.header("accept-encoding").find("gzip") != std::string_view::npos) {
+        response.headers.emplace_back("Content-Encoding", "gzip");
+        response.body = text.gzip;
+    } else {
+        response.body = text.plain;
+    }
+    return response;
 }
 
 HttpResponse Api::scene(const HttpRequest& request) const {

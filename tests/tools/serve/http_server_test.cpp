@@ -30,8 +30,8 @@ class Application final : public HttpApplication {
         plan.work = [is_large](const HttpRequest& /*request*/) {
             HttpResponse response;
             constexpr std::size_t kLarge = std::size_t{64} << 20U;
-            response.body = std::make_shared<const std::string>(
-                is_large ? std::string(kLarge, 'x') : std::string("hello"));
+            response.body = std::make_shared<const std::string>(is_large ? std::string(kLarge, 'x')
+                                                                         : std::string("hello"));
             return response;
         };
         return plan;
@@ -148,8 +148,9 @@ TEST_F(HttpServerTest, ABodyLongerThanThePlanSaysIsRefused) {
     ASSERT_TRUE(declared.send("PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: 1001\r\n\r\n"));
     EXPECT_THAT(declared.rest(), StartsWith("HTTP/1.1 413 "));
     const Client chunked("127.0.0.1", port());
-    ASSERT_TRUE(chunked.send("PUT / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n7d0\r\n" +
-                             std::string(2000, 'x') + "\r\n0\r\n\r\n"));
+    ASSERT_TRUE(
+        chunked.send("PUT / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n7d0\r\n" +
+                     std::string(2000, 'x') + "\r\n0\r\n\r\n"));
     EXPECT_THAT(chunked.rest(), StartsWith("HTTP/1.1 413 "));
 }
 

@@ -17,13 +17,13 @@ API = "/api/v1"
 class Server:
     """psfm serve on a port of its own."""
 
-    def __init__(self, build, session, *options, command="serve", keep_free=1):
+    def __init__(self, build, session, *options, command="serve", keep_free=1, listen="127.0.0.1:0"):
         """@param keep_free  of the disk [MiB]"""
         if command == "serve":
             options += ("--keep-free", str(keep_free))
         self.said = tempfile.TemporaryFile("w+")  # a pipe that nobody reads would hold the server up
-        self.process = subprocess.Popen([build / "psfm", command, "--session", session, "--listen", "127.0.0.1:0",
-                                         *options], stdout=subprocess.PIPE, stderr=self.said, text=True)
+        self.process = subprocess.Popen([build / "psfm", command, "--session", session, "--listen", listen, *options],
+                                        stdout=subprocess.PIPE, stderr=self.said, text=True)
         line = self.process.stdout.readline()
         found = re.search(r":(\d+)/", line)
         if not found:
