@@ -7,6 +7,8 @@
 #include <iostream>
 #include <memory>
 
+#include "storage/session_folder.h"
+#include "storage/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/serve_session.h"
@@ -25,10 +27,16 @@ struct ServeArguments {
     bool list_users = false;
 };
 
+/// Users come before the first photograph, so a new folder becomes a session for them.
 Result<std::unique_ptr<Users>> users_of(const ServeArguments& arguments) {
-    std::error_code error;
-    std::filesystem::create_directories(arguments.serve.session, error);
-    return Users::open(arguments.serve.session);
+    const std::string& session = arguments.serve.session;
+    const auto state = inspect_session_folder(session);
+    if (!state.ok()) return state.error();
+    if (*state == FolderState::kNew) {
+        if (const auto made = SessionStore::open(session, StoreOptions{}); !made.ok())
+            return made.error();
+    }
+    return Users::open(session);
 }
 
 int add_user(const ServeArguments& arguments) {

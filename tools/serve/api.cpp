@@ -166,6 +166,12 @@ HttpPlan Api::plan_page(const HttpRequest& head) const {
     if (path == "/style.css")
         return by_work(
             [=] { return text("text/css; charset=utf-8", std::string(page_file("style.css"))); });
+    if (path == "/favicon.ico") {  // browsers ask for it, and there is none
+        HttpResponse none;
+        none.status = 204;
+        none.headers = {{"Cache-Control", "max-age=86400"}};
+        return at_once(std::move(none));
+    }
     return at_once(problem(404, "there is nothing here"));
 }
 

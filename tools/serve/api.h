@@ -48,7 +48,7 @@ class Api final : public HttpApplication {
     HttpPlan plan_read(const HttpRequest& head, const User& user);
     HttpPlan plan_photograph(const HttpRequest& head, const User& user);
 
-    HttpResponse session(const User& user) const;
+    HttpResponse session(const User& user, const HttpRequest& request) const;
     HttpResponse scene(const HttpRequest& request) const;
     HttpResponse changes(const HttpRequest& request) const;
     HttpResponse replay(const HttpRequest& request);

@@ -84,6 +84,24 @@ std::string title_of(const HttpRequest& head) {
     return title;
 }
 
+/// A session's photographs lie within it when they were sent, and where its settings say otherwise.
+/// Nothing when there is no such file below either, whatever an imported name says.
+std::optional<std::filesystem::path> photograph_called(const std::string& name,
+                                                       const std::filesystem::path& session,
+                                                       const SessionReader& reader) {
+    const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
+    if (relative.is_absolute() || relative.empty() || *relative.begin() == "..")
+        return std::nullopt;
+    std::error_code ignored;
+    const std::filesystem::path sent = session / "photographs" / relative;
+    if (std::filesystem::is_regular_file(sent, ignored)) return sent;
+    const auto settings = reader.settings();
+    if (!settings.ok() || settings->photo_folder.empty()) return std::nullopt;
+    const std::filesystem::path found = std::filesystem::path(settings->photo_folder) / relative;
+    if (std::filesystem::is_regular_file(found, ignored)) return found;
+    return std::nullopt;
+}
+
 const SceneCluster* cluster_with(const Scene& scene, ImageId image) {
     for (const auto& cluster : scene.clusters) {
         if (cluster->model && cluster->model->find(image) != nullptr) return cluster.get();
@@ -108,7 +126,7 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
             return plan;
         }
         if (what == "session")
-            return by_work([this, user](const HttpRequest&) { return session(user); });
+            return by_work([this, user](const HttpRequest& r) { return session(user, r); });
         if (what == "scene") return by_work([this](const HttpRequest& r) { return scene(r); });
         if (what == "replay") return by_work([this](const HttpRequest& r) { return replay(r); });
     }
@@ -116,8 +134,11 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
         return by_work([this](const HttpRequest& r) { return changes(r); });
     if (parts.size() == 5 && what == "images" && id(4))
         return by_work([this, k = *id(4)](const HttpRequest&) { return image(k); });
-    if (parts.size() == 6 && what == "images" && id(4) && parts[5] == "thumbnail")
-        return by_work([this, k = *id(4)](const HttpRequest&) { return thumbnail(k); });
+    if (parts.size() == 6 && what == "images" && id(4) && parts[5] == "thumbnail") {
+        HttpPlan plan = by_work([this, k = *id(4)](const HttpRequest&) { return thumbnail(k); });
+        plan.is_slow = true;  // a photograph is decoded for it
+        return plan;
+    }
     if (parts.size() == 6 && what == "points" && id(4) && id(5))
         return by_work([this, a = *id(4), b = *id(5)](const HttpRequest&) { return point(a, b); });
     if (parts.size() == 6 && what == "pairs" && id(4) && id(5))
@@ -130,8 +151,11 @@ HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
     if (user.role == UserRole::kLook)
         return at_once(problem(403, "your link is for looking; ask for one to send"));
     const auto parts = parts_of(head.path);
-    if (parts.size() == 4 && head.method == "GET")
+    if (parts.size() == 4) {
+        if (head.method != "GET" && head.method != "HEAD")
+            return at_once(problem(405, "the list of your photographs is only read"));
         return by_work([this, user](const HttpRequest&) { return mine(user); });
+    }
     if (parts.size() != 5 || !is_sha256(parts[4]))
         return at_once(problem(404, "a photograph is called by its SHA-256, in small letters"));
     const std::string& sha256 = parts[4];
@@ -172,10 +196,18 @@ HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
     return plan;
 }
 
-HttpResponse Api::session(const User& user) const {
-    std::string text = parts_.live->session(user.name, std::string(role_name(user.role)));
-    if (text.empty()) return problem(503, "the session cannot be read at the moment; try again");
-    return json_response(200, std::move(text));
+HttpResponse Api::session(const User& user, const HttpRequest& request) const {
+    const auto text = parts_.live->session(user.name, std::string(role_name(user.role)));
+    if (!text.plain) return problem(503, "the session cannot be read at the moment; try again");
+    HttpResponse response = json_response(200, {});
+    response.headers.emplace_back("Vary", "Accept-Encoding");
+    if (request.header("accept-encoding").find("gzip") != std::string_view::npos) {
+        response.headers.emplace_back("Content-Encoding", "gzip");
+        response.body = text.gzip;
+    } else {
+        response.body = text.plain;
+    }
+    return response;
 }
 
 HttpResponse Api::scene(const HttpRequest& request) const {
@@ -293,16 +325,14 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
     const auto facts = parts_.live->facts();
     if (image >= facts.size() || !facts[image].id || !parts_.thumbnail)
         return problem(404, "there is no such image");
-    const auto settings = parts_.reader->settings();
-    const std::filesystem::path folder =
-        settings.ok() ? std::filesystem::path(settings->photo_folder) : std::filesystem::path();
-    const std::filesystem::path photo = folder / facts[image].name;
+    const auto photo = photograph_called(facts[image].name, parts_.session, *parts_.reader);
+    if (!photo) return problem(404, "this photograph is not where the session had it");
     const std::filesystem::path kept =
         parts_.session / "thumbnails" / (sha256_hex(facts[image].name) + ".jpg");
     std::string bytes;
     if (std::ifstream stream(kept, std::ios::binary); stream) {
         bytes.assign(std::istreambuf_iterator<char>(stream), {});
-    } else if (auto made = parts_.thumbnail(photo)) {
+    } else if (auto made = parts_.thumbnail(*photo)) {
         bytes = *std::move(made);
         std::error_code ignored;
         std::filesystem::create_directories(kept.parent_path(), ignored);

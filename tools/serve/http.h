@@ -57,9 +57,10 @@ class BodySink {
 struct HttpPlan {
     std::optional<HttpResponse> answer;                    ///< at once
     std::function<HttpResponse(const HttpRequest&)> work;  ///< on another thread, with the body
-    std::unique_ptr<BodySink> sink;                        ///< takes the body
-    bool events = false;                                   ///< the stream of events begins
-    std::size_t most_body = 0;                             ///< of `work` and `sink`
+    bool is_slow = false;            ///< `work` takes so long that others should not wait for it
+    std::unique_ptr<BodySink> sink;  ///< takes the body
+    bool events = false;             ///< the stream of events begins
+    std::size_t most_body = 0;       ///< of `work` and `sink`
 };
 
 /// What stands behind the server.

@@ -69,7 +69,6 @@ HttpResponse parse_problem(const error_code& error) {
         response = problem(431, "the header of the request is too long");
     if (error == bhttp::error::body_limit)
         response = problem(413, "the body of the request is too long");
-    if (error == beast::error::timeout) response = problem(408, "the request did not come in time");
     response.close = true;
     return response;
 }
@@ -109,8 +108,7 @@ class Server final : public HttpServer {
         });
         // Ends when every connection has; those that wait for a thread are gone on with first.
         thread_.join();
-        disk_.join();
-        work_.join();
+        for (net::thread_pool* pool : {&disk_, &work_, &slow_}) pool->join();
     }
 
   private:
@@ -199,7 +197,8 @@ class Server final : public HttpServer {
         if (plan.sink) {
             response = co_await on(disk_, [&] { return plan.sink->finish(); });
         } else {
-            response = co_await on(work_, [&] { return plan.work(*request); });
+            response =
+                co_await on(plan.is_slow ? slow_ : work_, [&] { return plan.work(*request); });
         }
         co_return co_await answer(stream, *request, response, parser.keep_alive());
     }
@@ -366,6 +365,7 @@ class Server final : public HttpServer {
     net::io_context io_{1};
     net::thread_pool disk_{1};
     net::thread_pool work_{1};
+    net::thread_pool slow_{1};
     tcp::acceptor acceptor_;
     tcp::endpoint local_;
     HttpApplication* application_ = nullptr;

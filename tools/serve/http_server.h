@@ -27,7 +27,8 @@ struct HttpLimits {
 };
 
 /// HTTP/1.1 over TCP: one thread for all connections, one for bodies that go to the disk, one for
-/// answers that take time. A slow client costs its connection and nobody's thread.
+/// answers that take time, one for those that take much of it. A slow client costs its connection
+/// and nobody's thread.
 class HttpServer {
   public:
     /// Binds and listens; nothing is answered before start().

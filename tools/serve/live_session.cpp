@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "scheduler/report/event_log.h"
 #include "tools/report/status_json.h"
@@ -45,7 +46,8 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const U
       name_(std::move(name)),
       options_(options),
       edges_(options_of(reader).edges),
-      colours_(reader) {
+      colours_(reader),
+      shown_(ShowOptions{.number = std::random_device()() >> 2U}) {
     if (auto scene = reader.scene(); scene.ok())
         look(std::make_shared<const Scene>(*std::move(scene)), true);
     thread_ = std::thread([this] { run(); });
@@ -166,6 +168,7 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
         scene_ = scene;
         facts_ = std::move(facts->facts);
         session_ = std::move(session);
+        sessions_.clear();
         const bool differs = !std::ranges::equal(hints_, page.hints, {}, &Hint::text, &Hint::text);
         hints_ = page.hints;
         return differs;
@@ -206,10 +209,17 @@ void LiveSession::tell_images(const std::vector<ImageFact>& facts) {
     }
 }
 
-std::string LiveSession::session(const std::string& me, const std::string& role) const {
+LiveSession::Bytes LiveSession::session(const std::string& me, const std::string& role) const {
     const std::lock_guard lock(mutex_);
     if (session_.empty()) return {};
-    return session_ + ",\"me\":" + dump({{"name", me}, {"role", role}}) + "}";
+    const std::string who = dump({{"name", me}, {"role", role}});
+    Bytes& bytes = sessions_[who];
+    if (!bytes.plain) {
+        std::string text = session_ + ",\"me\":" + who + "}";
+        bytes.gzip = std::make_shared<const std::string>(gzipped(text));
+        bytes.plain = std::make_shared<const std::string>(std::move(text));
+    }
+    return bytes;
 }
 
 LiveSession::Bytes LiveSession::scene() const {

@@ -47,12 +47,12 @@ class LiveSession final : public SessionObserver {
     /// From who follows another process: a version has come.
     void on_version(ScenePtr scene);
 
-    /// As session_json, for somebody. Empty before the first look.
-    std::string session(const std::string& me, const std::string& role) const;
     struct Bytes {
         std::shared_ptr<const std::string> plain, gzip;
         std::uint32_t number = 0;  ///< of the last change in it
     };
+    /// As session_json, for somebody. Null before the first look.
+    Bytes session(const std::string& me, const std::string& role) const;
     /// All of the model.
     Bytes scene() const;
     /// Changes after `number`, each behind its length; nothing when some are not kept any more.
@@ -91,7 +91,8 @@ class LiveSession final : public SessionObserver {
     ScenePtr scene_;
     std::vector<ImageFact> facts_;
     std::vector<Hint> hints_;
-    std::string session_;  // session_json without its last brace
+    std::string session_;                            // session_json without its last brace
+    mutable std::map<std::string, Bytes> sessions_;  // the same for each who asked since
     struct Change {
         std::uint32_t number = 0;
         std::shared_ptr<const std::string> plain, gzip;

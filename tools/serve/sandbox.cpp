@@ -6,6 +6,7 @@
 #include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cerrno>
 
@@ -49,6 +50,8 @@ bool forbid_processes(scmp_filter_ctx filter) {
 }  // namespace
 
 bool enter_sandbox() {
+    // Whatever the server had open at the moment: Boost 1.74 lets children inherit connections.
+    if (close_range(STDERR_FILENO + 1, ~0U, 0) != 0) return false;
     constexpr rlim_t kMemory = rlim_t{12} << 30U;  // of addresses: 200 megapixels are read
     constexpr rlim_t kSeconds = 120;               // of the processor
     if (!limit(RLIMIT_AS, kMemory) || !limit(RLIMIT_CPU, kSeconds) || !limit(RLIMIT_FSIZE, 0) ||

@@ -31,8 +31,9 @@ std::optional<std::string> thumbnail_in_sandbox(const std::filesystem::path& pho
 int sandboxed_extract(const PhotoFile& photo, const FeatureOptions& options);
 int sandboxed_thumbnail(const std::filesystem::path& photo);
 
-/// Gives up, for this process and for good, all that decoding does not need. @return false: it
-/// could not be done, and nothing of a stranger's should be read
+/// Gives up, for this process and for good, all that decoding does not need; files and connections
+/// that are open, but for the standard ones, are closed. @return false: it could not be done, and
+/// nothing of a stranger's should be read
 bool enter_sandbox();
 
 }  // namespace psfm

@@ -31,6 +31,9 @@ struct ShowOptions {
     double tolerance = 0.005;
     /// The same once everything has settled.
     double settled_tolerance = 0.0005;
+    /// Of the change before the first. A server begins elsewhere each time, so that nobody takes
+    /// its changes for those of the one before it.
+    std::uint32_t number = 0;
 };
 
 /// The model as those have it who have been told of all changes so far. One thread at a time.
@@ -41,7 +44,8 @@ struct ShowOptions {
 /// grows is told in eight numbers.
 class ShownScene {
   public:
-    explicit ShownScene(const ShowOptions& options = {}) : options_(options) {}
+    explicit ShownScene(const ShowOptions& options = {})
+        : options_(options), number_(options.number) {}
 
     /// Brings what is shown up to a scene. Clusters whose model is the same object as before are
     /// only placed; those whose points are not at hand (resting ones, whose revision is the same)

@@ -4,15 +4,15 @@
 const fs = require("fs");
 const os = require("os");
 const path = require("path");
-const { execFileSync } = require("child_process");
+const { execFileSync, spawn } = require("child_process");
 
 const SKIPPED = 77;
 const BUILD = process.argv[2];
 const CHROMIUM = process.env.PSFM_CHROMIUM ?? "/usr/bin/chromium";
 
-function need(name) {
+function need_file(name) {
   try {
-    return require(name);
+    return require.resolve(name);
   } catch {
     console.log(`skipped: ${name} is not there (npm ci in tools/viewer)`);
     process.exit(SKIPPED);
@@ -20,7 +20,7 @@ function need(name) {
 }
 
 async function browser() {
-  const { chromium } = need("playwright-core");
+  const { chromium } = require(need_file("playwright-core"));
   if (!fs.existsSync(CHROMIUM)) {
     console.log("skipped: there is no chromium (tools/install-packages --browser)");
     process.exit(SKIPPED);
@@ -36,16 +36,31 @@ function psfm(...words) {
   return execFileSync(path.join(BUILD, "psfm"), words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 }
 
-/** axe on a part of a page: nothing serious. */
+/** psfm serve or psfm view on a port of its own. */
+function serve(command, session, ...options) {
+  return new Promise((resolve, reject) => {
+    const child = spawn(path.join(BUILD, "psfm"), [command, "--session", session, "--listen", "127.0.0.1:0", ...options]);
+    let text = "";
+    const end = () => { child.removeAllListeners("exit"); child.kill("SIGTERM"); };
+    child.stdout.on("data", (data) => {
+      text += data;
+      const found = /http:\/\/127\.0\.0\.1:\d+/.exec(text);
+      if (found) resolve({ url: found[0], end });
+    });
+    child.stderr.on("data", (data) => { text += data; });
+    child.on("exit", (code) => reject(new Error(`psfm ${command} ended with ${code}: ${text}`)));
+  });
+}
+
+/** axe on a part of a page: what it finds serious. It comes as the debugger's own, which no policy of the page stops. */
 async function accessible(page, part) {
-  await page.addScriptTag({ content: fs.readFileSync(require.resolve("axe-core/axe.min.js"), "utf8") }).catch(() => {});
-  const found = await page.evaluate(async (selector) => {
-    if (!window.axe) return null;
+  const debug = await page.context().newCDPSession(page);
+  await debug.send("Runtime.evaluate", { expression: fs.readFileSync(need_file("axe-core/axe.min.js"), "utf8") });
+  return page.evaluate(async (selector) => {
     const result = await window.axe.run(selector);
     return result.violations.filter((v) => v.impact === "serious" || v.impact === "critical")
       .map((v) => `${v.id}: ${v.nodes.map((n) => n.html).slice(0, 3).join(" ")}`);
   }, part);
-  return found;
 }
 
 function check(condition, what) {
@@ -62,4 +77,4 @@ async function run(test) {
   }
 }
 
-module.exports = { BUILD, folder, psfm, accessible, check, run };
+module.exports = { BUILD, folder, psfm, serve, accessible, check, run };

@@ -45,7 +45,7 @@ run(async (chrome) => {
     const { stage, model } = window.psfm;
     stage.fit();
     await new Promise((resolve) => setTimeout(resolve, 500));
-    stage.setLayers(false, false);
+    stage.setLayers(false, false); // no camera is picked instead
     const w = stage.canvas.clientWidth, h = stage.canvas.clientHeight;
     for (let r = 0; r < 300; r += 5) for (const [dx, dy] of [[r, 0], [-r, 0], [0, r], [0, -r]]) {
       const found = stage.pickPoint(w / 2 + dx, h / 2 + dy);
@@ -58,6 +58,8 @@ run(async (chrome) => {
   await page.waitForFunction(() => document.querySelector("#panel-details h2")?.textContent === "Point", null, { polling: 100 });
   check(await page.locator("#panel-details li").count() === picked.track, "as many photographs see it as its track is long");
 
+  await page.evaluate(() => { window.psfm.stage.setLayers(true, false); });
+
   // Replay.
   await page.getByRole("slider").focus();
   await page.evaluate(() => window.psfm.timeline.go(Math.floor(20)));
@@ -69,6 +71,7 @@ run(async (chrome) => {
 
   // View graph, colours, keys.
   await page.getByLabel("view graph").check();
+  await page.getByLabel("cameras").uncheck();
   await page.getByLabel("cameras").check();
   for (const mode of ["error", "track", "cluster", "user", "colour"]) await page.getByLabel("Colour").selectOption(mode);
   await page.locator("canvas.stage").focus();
@@ -81,8 +84,7 @@ run(async (chrome) => {
   await page.getByRole("searchbox").fill("");
   if (process.argv[3]) await page.screenshot({ path: path.join(process.argv[3], "viewer.png") });
   const serious = await accessible(page, ".side");
-  if (serious === null) console.log("axe cannot enter this page: its policy lets no other script in");
-  else check(serious.length === 0, `axe finds nothing serious ${serious.join("; ")}`);
+  check(serious.length === 0, `axe finds nothing serious ${serious.join("; ")}`);
   check(problems.length === 0, `no errors, and nothing from elsewhere ${problems.join("; ")}`);
   console.log(`${fs.statSync(file).size} bytes`);
 }).catch((error) => { console.error(error); process.exit(1); });

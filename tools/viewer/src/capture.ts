@@ -6,7 +6,7 @@ import { signIn } from "./login";
 import { Hint } from "./source";
 import { Uploads } from "./upload";
 
-interface Mine { sha256: string; name: string; state: string; words: string; advice: string }
+interface Mine { sha256: string; name: string; title?: string; state: string; words: string; advice: string }
 
 class Capture {
   private readonly uploads = new Uploads(() => this.show());
@@ -49,7 +49,7 @@ class Capture {
       const image = JSON.parse((event as MessageEvent<string>).data) as Mine;
       const known = this.mine.find((one) => one.sha256 === image.sha256);
       if (known) Object.assign(known, { state: image.state, words: image.words, advice: image.advice });
-      else if (this.uploads.all.some((one) => one.sha256 === image.sha256)) this.mine.push(image);
+      else if (this.uploads.all.some((one) => one.sha256 === image.sha256)) this.mine.push({ ...image, name: image.title ?? image.name });
       this.show();
     });
     stream.addEventListener("hint", (event) => { this.hints = JSON.parse((event as MessageEvent<string>).data) as Hint[]; this.show(); });

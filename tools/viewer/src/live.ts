@@ -4,12 +4,16 @@
 import { ImageFact, ServerSource, Session } from "./source";
 import type { Viewer } from "./viewer";
 
+const UNKNOWN_MS = 1000, SEEN_MS = 5000, QUIET_MS = 3000;
+
 export class Live {
   private stream: EventSource | null = null;
   private busy = false;
   private again = false;
   private wanted = 0; // number of the last change that was announced
   private listIsOld = false;
+  private fetched = 0; // when everything but the model was fetched last [ms]
+  private timer = 0;
 
   constructor(private readonly viewer: Viewer, private readonly source: ServerSource) {}
 
@@ -32,7 +36,7 @@ export class Live {
       this.viewer.session.counts = version;
       this.wanted = version.change;
       this.viewer.tell();
-      void this.catchUp();
+      void this.catchUp().then(() => this.later());
     });
     this.on<Session["events"][0]>("event", (event) => { this.viewer.session.events.push(event); this.viewer.tell(); });
     this.on<Session["hints"]>("hint", (hints) => { this.viewer.session.hints = hints; this.viewer.tell(); });
@@ -50,13 +54,22 @@ export class Live {
     this.listIsOld = true;
     setTimeout(() => { this.listIsOld = false; this.viewer.list.update(list); }, 50); // many come at once
   }
+  /** What events do not tell (edges, cameras, the direction up) is fetched once nothing comes; sooner where it is seen. */
+  private later(): void {
+    const { model, stage } = this.viewer, age = performance.now() - this.fetched;
+    const isUnknown = [...model.clusters.values()].some((c) => [...c.poses.values()].some((pose) => !stage.cameras.has(pose.camera)));
+    clearTimeout(this.timer);
+    if ((isUnknown && age > UNKNOWN_MS) || (stage.showEdges && age > SEEN_MS)) void this.all();
+    else this.timer = window.setTimeout(() => void this.all(), isUnknown ? UNKNOWN_MS : QUIET_MS);
+  }
   /** Everything anew: states, edges and cameras; the model by its changes, where these are kept. */
   private async all(): Promise<void> {
+    this.fetched = performance.now();
     try {
       const session = await this.source.session();
       this.viewer.session = session;
       this.viewer.list.update(session.image_list);
-      for (const camera of session.cameras) this.viewer.stage.cameras.set(camera.id, camera);
+      this.viewer.stage.setFrame(session.cameras, session.up, session.in_metres);
       this.viewer.stage.setEdges(session.edges);
       this.viewer.tell();
       this.wanted = Infinity;

@@ -7,15 +7,23 @@ import { Cluster, NOWHERE } from "./wire";
 
 export type ColourMode = "colour" | "error" | "track" | "cluster" | "user";
 const MODES: ColourMode[] = ["colour", "error", "track", "cluster", "user"];
+/** What the colours mean; the figures are the shader's. */
+export const LEGENDS: Record<ColourMode, string> = { colour: "", error: "blue 0, red 2 px and more", track: "blue 2, red 32 photographs and more",
+  cluster: "a colour a cluster", user: "a colour a user" };
 
 const VERTEX = `
 attribute vec3 colour; attribute vec2 figures; attribute float born; attribute float user;
 uniform float size; uniform float time; uniform int mode; uniform vec3 own; varying vec3 shade;
-vec3 ramp(float t) { t = clamp(t, 0.0, 1.0); return clamp(vec3(1.5 - abs(4.0*t - 3.0), 1.5 - abs(4.0*t - 2.0), 1.5 - abs(4.0*t - 1.0)), 0.0, 1.0); }
+vec3 ramp(float t) { // blue, green, yellow, red: all of them light enough for a dark ground
+  t = 3.0 * clamp(t, 0.0, 1.0);
+  vec3 green = vec3(0.35, 0.85, 0.62), yellow = vec3(0.97, 0.85, 0.32);
+  return t < 1.0 ? mix(vec3(0.34, 0.58, 0.98), green, t) : t < 2.0 ? mix(green, yellow, t - 1.0) : mix(yellow, vec3(0.96, 0.32, 0.25), t - 2.0);
+}
 vec3 hue(float n) { return 0.55 + 0.45 * cos(6.2831 * (n * 0.618 + vec3(0.0, 0.33, 0.67))); }
 void main() {
   if (born > time) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); gl_PointSize = 0.0; return; }
-  shade = mode == 0 ? colour : mode == 1 ? ramp(figures.x * 255.0 * 0.02 / 2.0) : mode == 2 ? ramp(log2(figures.y * 255.0 / 2.0 + 0.001) / 4.0) : mode == 3 ? own : hue(user);
+  // Features without a colour (imported ones) are black, which would be nothing on a dark ground.
+  shade = mode == 0 ? (colour == vec3(0.0) ? vec3(0.75, 0.79, 0.83) : colour) : mode == 1 ? ramp(figures.x * 255.0 * 0.02 / 2.0) : mode == 2 ? ramp(log2(figures.y * 255.0 / 2.0 + 0.001) / 4.0) : mode == 3 ? own : hue(user);
   vec4 at = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * at;
   gl_PointSize = size;

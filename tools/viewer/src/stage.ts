@@ -7,6 +7,9 @@ import { ColourMode, PointCloud } from "./points";
 import { Camera, Edge } from "./source";
 import { Model, NOWHERE, Quat, Vec3, WorldPose, conjugate, moved, rotate, worldPoses } from "./wire";
 
+const UP_ANGLE = 0.1; // [rad]
+const BARS_PX = 130; // of the canvas's height, below tools and time line
+const FEW_POINTS = 30000; // so many are drawn larger
 const FRAME_MS = 33; // while one moves: as many points as this allows
 const EDGE_COLOURS: Record<string, number> = { holds: 0x4f86b8, open: 0x8a8f98, implausible: 0xc9882b, apart: 0xc44fc0, contradicts: 0xe0442e };
 
@@ -15,7 +18,7 @@ export interface Picked { cluster: number; slot: number; position: Vec3 }
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   readonly camera = new THREE.PerspectiveCamera(50, 1, 0.01, 1000);
-  readonly controls: OrbitControls;
+  controls: OrbitControls;
   private readonly world = new THREE.Scene();
   private readonly clouds = new Map<number, PointCloud>();
   private frusta: THREE.LineSegments | null = null;
@@ -29,7 +32,7 @@ export class Stage {
   private selected = new Set<number>();
   private replayed: Map<number, { q: Quat; centre: Vec3 }> | null = null;
   mode: ColourMode = "colour";
-  pointSize = 2;
+  pointSize = 0; // [px]; 0: by how many there are
   showCameras = true;
   showEdges = false;
   time: number | null = null; // images of the version that is replayed; null: now
@@ -37,18 +40,24 @@ export class Stage {
   frameMs = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, readonly model: Model, readonly cameras: Map<number, Camera>,
-              private edgeList: Edge[], private up: Vec3, readonly userOf: (image: number) => number, readonly inMetres: boolean) {
+              private edgeList: Edge[], private up: Vec3, readonly userOf: (image: number) => number, private inMetres: boolean) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
     this.renderer.setClearColor(0x14181d);
     this.camera.up.set(...up);
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableDamping = false;
-    this.controls.zoomToCursor = true;
-    this.controls.addEventListener("change", () => { this.moving = performance.now() + 250; this.draw(); });
+    this.controls = this.newControls();
     new ResizeObserver(() => this.resize()).observe(canvas);
     canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
     canvas.addEventListener("webglcontextrestored", () => { this.rebuild(); });
     this.resize();
+  }
+
+  /** About the camera's up, which OrbitControls reads once. */
+  private newControls(): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    controls.enableDamping = false;
+    controls.zoomToCursor = true;
+    controls.addEventListener("change", () => { this.moving = performance.now() + 250; this.draw(); });
+    return controls;
   }
 
   private resize(): void {
@@ -64,6 +73,21 @@ export class Stage {
   private rebuild(): void {
     for (const cloud of this.clouds.values()) { this.world.remove(cloud.object); cloud.dispose(); }
     this.clouds.clear();
+    this.refresh();
+  }
+
+  /** What is known of the session has become more: its cameras, which way is up, and whether positions place its parts. */
+  setFrame(cameras: Camera[], up: Vec3, inMetres: boolean): void {
+    for (const camera of cameras) this.cameras.set(camera.id, camera);
+    this.inMetres = inMetres;
+    const turned = new THREE.Vector3(...up).angleTo(new THREE.Vector3(...this.up));
+    if (turned > UP_ANGLE) { // people keep their bearings when it is but a little
+      this.up = up;
+      this.camera.up.set(...up);
+      this.controls.dispose();
+      this.controls = this.newControls();
+      this.fit();
+    }
     this.refresh();
   }
 
@@ -157,7 +181,7 @@ export class Stage {
         for (let k = 0; k < 4; ++k) colours.push(...colour);
       }
     }
-    this.frusta = lines(positions, colours);
+    this.frusta = lines(positions, colours, 0.9);
     this.world.add(this.frusta);
   }
 
@@ -173,7 +197,7 @@ export class Stage {
       positions.push(...from, ...to);
       colours.push(c.r, c.g, c.b, c.r, c.g, c.b);
     }
-    this.edges = lines(positions, colours);
+    this.edges = lines(positions, colours, 0.4);
     this.world.add(this.edges);
   }
 
@@ -199,36 +223,62 @@ export class Stage {
     this.draw();
   }
 
-  /** Looks at everything that belongs to the model; the few points that lie far out do not count. */
+  /** Looks at everything that belongs to the model, or at some images and what they see; the few points that lie far out
+      do not count. */
   fit(images: number[] | null = null): void {
-    const some = images ? new Set(images) : null;
-    const centres = this.shownPoses().filter((p) => !some || some.has(p.image)).map((p) => new THREE.Vector3(...this.shifted(p.part, p.centre)));
-    if (centres.length === 0) return;
-    const samples = some ? centres : centres.concat(this.sample(2000));
+    const some = images ? new Set(images) : null, poses = this.shownPoses().filter((p) => !some || some.has(p.image));
+    if (poses.length === 0) return;
+    const centres = poses.map((p) => new THREE.Vector3(...this.shifted(p.part, p.centre)));
+    const samples = centres.concat(this.sample(2000, some));
     const middle = new THREE.Vector3(...[0, 1, 2].map((axis) => median(samples.map((s) => s.getComponent(axis)))) as Vec3);
     const distances = samples.map((s) => s.distanceTo(middle)).sort((a, b) => a - b);
-    const radius = Math.max(distances[Math.floor(0.92 * (distances.length - 1))], some ? 6 * this.frustumSize() : 1e-6);
-    const up = new THREE.Vector3(...this.up).normalize();
-    let away = this.camera.position.clone().sub(this.controls.target);
-    if (some === null || away.lengthSq() < 1e-12) {
-      const side = Math.abs(up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
-      away = side.sub(up.clone().multiplyScalar(side.dot(up))).normalize().add(up.clone().multiplyScalar(0.8));
+    const least = 3 * this.frustumSize(), reach = Math.max(distances[Math.floor(0.94 * (distances.length - 1))], least);
+    const kept = samples.filter((sample, i) => i < centres.length || sample.distanceTo(middle) <= reach);
+    const kind = some ? this.camera.position.clone().sub(this.controls.target) : this.backOf(poses);
+    if (kind.lengthSq() < 1e-12) kind.copy(this.backOf(poses));
+
+    // As near as all of them are seen between the two bars.
+    const basis = new THREE.Matrix4().lookAt(kind, new THREE.Vector3(), this.camera.up), x = new THREE.Vector3(), y = new THREE.Vector3(), z = new THREE.Vector3();
+    basis.extractBasis(x, y, z);
+    const range = (axis: THREE.Vector3): [number, number] => {
+      const values = kept.map((k) => k.dot(axis));
+      return [Math.min(...values), Math.max(...values)];
+    };
+    const mid = ([low, high]: [number, number]): number => (low + high) / 2;
+    const target = new THREE.Vector3().addScaledVector(x, mid(range(x))).addScaledVector(y, mid(range(y))).addScaledVector(z, mid(range(z)));
+    const tan = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), free = Math.max(0.5, 1 - BARS_PX / Math.max(1, this.canvas.clientHeight));
+    let distance = 2 * least;
+    for (const k of kept) {
+      const d = k.clone().sub(target);
+      distance = Math.max(distance, d.dot(z) + 1.05 * Math.max(Math.abs(d.dot(x)) / (tan * this.camera.aspect), Math.abs(d.dot(y)) / (tan * free)));
     }
-    const distance = radius / Math.sin(THREE.MathUtils.degToRad(this.camera.fov / 2)) / Math.min(1, this.camera.aspect);
-    this.controls.target.copy(middle);
-    this.camera.position.copy(middle).add(away.normalize().multiplyScalar(distance));
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(z, distance);
     this.camera.near = distance / 500;
     this.camera.far = distance * 50;
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.draw();
   }
-  private sample(most: number): THREE.Vector3[] {
+  /** From behind the cameras and above them; where they look all ways, from a side. */
+  private backOf(poses: WorldPose[]): THREE.Vector3 {
+    const up = this.camera.up.clone().normalize(), back = new THREE.Vector3();
+    for (const pose of poses) back.sub(new THREE.Vector3(...rotate(conjugate(pose.q), [0, 0, 1])));
+    back.divideScalar(poses.length).addScaledVector(up, -back.dot(up));
+    if (back.length() < 0.3) {
+      const side = Math.abs(up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
+      return side.addScaledVector(up, -side.dot(up)).normalize().addScaledVector(up, 1);
+    }
+    const right = new THREE.Vector3().crossVectors(up, back).normalize(); // a little from the side: depth is seen
+    return back.normalize().addScaledVector(right, 0.4).addScaledVector(up, 0.5);
+  }
+  /** Some points; of some images, those that they were the first to see. */
+  private sample(most: number, images: Set<number> | null): THREE.Vector3[] {
     const found: THREE.Vector3[] = [];
     for (const cluster of this.model.clusters.values()) {
-      const stride = Math.max(1, Math.floor(cluster.slots * this.model.clusters.size / most));
-      for (let i = 0; i < cluster.slots; i += stride) {
-        if (cluster.born[i] === NOWHERE) continue;
+      const stride = images ? 1 : Math.max(1, Math.floor(cluster.slots * this.model.clusters.size / most));
+      for (let i = 0; i < cluster.slots && found.length < most; i += stride) {
+        if (cluster.born[i] === NOWHERE || (images && !images.has(cluster.firsts[i]))) continue;
         const p = moved(cluster.place, [cluster.positions[3 * i], cluster.positions[3 * i + 1], cluster.positions[3 * i + 2]]);
         found.push(new THREE.Vector3(...this.shifted(cluster.part, p)));
       }
@@ -291,6 +341,11 @@ export class Stage {
     this.controls.update();
   }
 
+  sizeOfPoints(): number {
+    if (this.pointSize > 0) return this.pointSize;
+    return [...this.clouds.values()].reduce((n, cloud) => n + cloud.count, 0) < FEW_POINTS ? 3 : 2;
+  }
+
   draw(): void {
     if (this.wanted) return;
     this.wanted = true;
@@ -302,7 +357,7 @@ export class Stage {
     if (!isMoving) this.share = Math.min(1, this.share * 2);
     this.drawn = 0;
     for (const cloud of this.clouds.values()) {
-      cloud.set(this.mode, this.pointSize * this.renderer.getPixelRatio(), this.time);
+      cloud.set(this.mode, this.sizeOfPoints() * this.renderer.getPixelRatio(), this.time);
       this.drawn += cloud.draw(this.share);
     }
     this.renderer.render(this.world, this.camera);
@@ -318,11 +373,11 @@ export class Stage {
   }
 }
 
-function lines(positions: number[], colours: number[]): THREE.LineSegments {
+function lines(positions: number[], colours: number[], opacity: number): THREE.LineSegments {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
   geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
-  const object = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.85 }));
+  const object = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity }));
   object.frustumCulled = false;
   return object;
 }

@@ -4,7 +4,7 @@
 import { Details } from "./details";
 import { button, el, select, toggle } from "./dom";
 import { ImageList, titleOf } from "./list";
-import { ColourMode } from "./points";
+import { ColourMode, LEGENDS } from "./points";
 import { Camera, FileSource, ImageFact, ServerSource, Session, Source } from "./source";
 import { Stage } from "./stage";
 import { Timeline } from "./timeline";
@@ -55,16 +55,16 @@ export class Viewer {
   }
 
   private tools(): HTMLElement {
-    const box = el("div", { class: "tools" });
+    const box = el("div", { class: "tools" }), legend = el("output", { class: "quiet" });
     box.append(select("Colour", [["colour", "photographs"], ["error", "error"], ["track", "track length"], ["cluster", "cluster"], ["user", "user"]],
-      (mode) => { this.stage.mode = mode as ColourMode; this.stage.draw(); }),
+      (mode) => { this.stage.mode = mode as ColourMode; legend.textContent = LEGENDS[this.stage.mode]; this.stage.draw(); }), legend,
       toggle("cameras", true, (on) => this.stage.setLayers(on, this.stage.showEdges)),
       toggle("view graph", false, (on) => this.stage.setLayers(this.stage.showCameras, on)),
       button("Larger", () => this.size(1.4)), button("Smaller", () => this.size(1 / 1.4)), button("Fit", () => this.stage.fit()));
     return box;
   }
   private size(factor: number): void {
-    this.stage.pointSize = Math.min(12, Math.max(1, this.stage.pointSize * factor));
+    this.stage.pointSize = Math.min(12, Math.max(1, this.stage.sizeOfPoints() * factor));
     this.stage.draw();
   }
 
@@ -101,6 +101,7 @@ export class Viewer {
     this.summary.textContent = `${c.placed} of ${c.images} photographs placed, ${c.waiting} waiting, ${c.rejected} rejected; ` +
       `${c.effective_clusters} ${c.effective_clusters === 1 ? "part" : "parts"}, version ${c.version}`;
     this.events.replaceChildren(...this.session.events.slice(-200).reverse().map((e) => el("li", {}, el("b", {}, e.event), ` at photograph ${e.image}: ${e.text}`)));
+    if (this.session.events.length === 0) this.events.replaceChildren(el("li", { class: "quiet" }, "Parts that join, split or are made anew are told here. So far there were none."));
     this.hints.replaceChildren(...this.session.hints.map((h) => el("li", {}, button(h.text, () => this.chooseImage(h.image), { class: "link" }))));
   }
 
@@ -163,8 +164,9 @@ export class Viewer {
     const fact = this.session.image_list[image], thumbnail = this.source.thumbnail(image);
     this.tip.replaceChildren(fact ? titleOf(fact) : String(image));
     if (thumbnail) this.tip.append(el("img", { src: thumbnail, alt: "" }));
-    this.tip.style.left = `${x + 14}px`;
-    this.tip.style.top = `${y + 14}px`;
+    const room = this.tip.parentElement!, w = this.tip.offsetWidth + 14, h = Math.max(this.tip.offsetHeight, thumbnail ? 140 : 0) + 14;
+    this.tip.style.left = `${x + w > room.clientWidth ? Math.max(0, x - w) : x + 14}px`;
+    this.tip.style.top = `${y + h > room.clientHeight ? Math.max(0, y - h) : y + 14}px`;
   }
   private key(e: KeyboardEvent): void {
     const turn = (dx: number, dy: number): void => { this.stage.turn(dx, dy); e.preventDefault(); };
