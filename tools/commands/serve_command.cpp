@@ -7,8 +7,8 @@
 #include <iostream>
 #include <memory>
 
-#include "storage/session_folder.h"
-#include "storage/session_store.h"
+#include "storage/database/session_folder.h"
+#include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/serve_session.h"
