@@ -202,7 +202,7 @@ struct SolveOptions {
     RefinementOptions settling{.images_for_principal_point = 5,
                                .points_per_image = 2500,
                                .thin_from_images = 200,
-                               .noise = {.loss = 3.0, .max_error = 12.0}};
+                               .noise = {.loss = 3.0, .max_error = 30.0}};
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
     /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
     /// tenth of the time (docs/look-alikes.md).
