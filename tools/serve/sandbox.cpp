@@ -25,6 +25,10 @@ bool forbid(scmp_filter_ctx filter, const char* name) {
            seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), number, 0) == 0;
 }
 
+#ifdef __clang__  // libseccomp compares by C99's compound literals
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wc99-extensions"
+#endif
 bool forbid_writing(scmp_filter_ctx filter) {
     bool done = true;
     for (const int flag : {O_WRONLY, O_RDWR, O_CREAT, O_TRUNC, O_APPEND}) {
@@ -46,6 +50,9 @@ bool forbid_processes(scmp_filter_ctx filter) {
            seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), SCMP_SYS(clone), 1,
                             SCMP_A0(SCMP_CMP_MASKED_EQ, kThread, 0)) == 0;
 }
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
 
 }  // namespace
 

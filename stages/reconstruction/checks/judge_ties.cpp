@@ -143,6 +143,7 @@ std::map<std::uint32_t, std::vector<ReleasedCamera>> compare(const Adjusted& tog
 void part_by_focal(const std::vector<ReleasedCamera>& kind, double max_step,
                    std::map<CameraId, std::size_t>& labels, std::size_t& next) {
     std::vector<const ReleasedCamera*> sorted;
+    sorted.reserve(kind.size());
     for (const ReleasedCamera& camera : kind) sorted.push_back(&camera);
     std::ranges::sort(
         sorted, {}, [](const ReleasedCamera* c) { return std::pair(c->own_focal_px, c->camera); });
