@@ -45,8 +45,8 @@ struct NoiseBounds {
     /// and a rendered flight, judged on the other scenes (docs/accuracy.md).
     double loss = 0.0;
     /// Error of an observation that is kept at most, in noises. Raised: as above; lowered: large
-    /// features, which are found less exactly, are lost. 0: the bound stays as it is. Ours, tuned
-    /// as above.
+    /// features, which are found less exactly, are lost. 0: the bound stays as it is. Ours: of 12
+    /// and 30 the one that keeps what brighton needs (docs/notebook/2026-11-25-noise.md).
     double max_error = 0.0;
 };
 
