@@ -164,6 +164,14 @@ class CheckIncludes(unittest.TestCase):
         self.assertEqual(self.run_check()[0], 0)
         self.assert_found("graph/a.cpp", "// As tools/there" + ".md says.\n", "is no document")
 
+    def test_columns(self):
+        wide = "word " * 24 + "s"
+        self.write(self.THERE, f"# There\n\n{wide[:120]}\n|{wide} in a table|\n", head="")
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found(self.THERE, f"# There\n\n{wide}\n", "121 columns", head="")
+        self.write(self.THERE, "# There\n", head="")
+        self.assert_found("graph/CMakeLists.txt", f"# {wide}\n", "123 columns")
+
     def test_empty_tree_is_no_success(self):
         with tempfile.TemporaryDirectory() as empty:
             self.root = Path(empty)
