@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "stages/algorithms/adjustment/reprojection_cost.h"
-#include "stages/reconstruction/adjust/observation_noise.h"
 #include "stages/reconstruction/adjust/thin_points.h"
 
 namespace psfm {
@@ -78,30 +77,26 @@ std::map<ImageId, Costs> costs_of(const WorkingModel& model,
 struct Adjusted {
     std::shared_ptr<const Reconstruction> model;  ///< null when that was not possible
     std::map<ImageId, Costs> costs;
-    double loss_scale_px = 0.0;  ///< what these were measured with
 };
 
-/// @param noise  what the loss of the adjustment is narrowed to
 Adjusted adjusted(const std::shared_ptr<const Reconstruction>& model, const ClusterProblem& problem,
-                  const CameraTies& ties, const TieOptions& options, AdjustmentOptions adjustment,
-                  const NoiseBounds& noise) {
+                  const CameraTies& ties, const TieOptions& options) {
     const ClusterProblem part = placed_part(*model, problem, ties);
     const CorrespondenceGraph matches = without_edges(part);
     WorkingModel working(part, matches);
     working.load(*with_ties(model, problem, ties));
     AdjustmentScope scope = full_scope(working, true);
     scope.points = covering_points(working, {}, options.points_per_image);
+    const AdjustmentOptions adjustment{
+        .loss_scale_px = 1.0, .max_iterations = options.max_iterations, .function_tolerance = 1e-4};
     if (!adjust(working, scope, adjustment).ok()) return {};
-    const double wide = adjustment.loss_scale_px;
-    adjustment = fitted_to_noise(working, adjustment, noise);
-    if (adjustment.loss_scale_px < wide && !adjust(working, scope, adjustment).ok()) return {};
     std::vector<std::uint32_t> others;
     for (std::uint32_t point = 0; point < working.points().size(); ++point) {
         if (!std::ranges::binary_search(*scope.points, point)) others.push_back(point);
     }
     refine_points(working, others, adjustment);
     return {std::make_shared<const Reconstruction>(working.save()),
-            costs_of(working, *scope.points, adjustment), adjustment.loss_scale_px};
+            costs_of(working, *scope.points, adjustment)};
 }
 
 /// Each camera of a kind, by kind.
@@ -186,17 +181,11 @@ TieVerdict judge_ties(const std::shared_ptr<const Reconstruction>& model,
                       const SolveOptions& options) {
     TieVerdict verdict{ties, model, {}};
     const CameraTies all = all_tied(problem);
-    AdjustmentOptions adjustment{.loss_scale_px = 1.0,
-                                 .max_iterations = options.ties.max_iterations,
-                                 .function_tolerance = 1e-4};
-    const Adjusted together =
-        adjusted(model, problem, all, options.ties, adjustment, options.settling.noise);
+    const Adjusted together = adjusted(model, problem, all, options.ties);
     if (!together.model) return verdict;
-    // Both are measured by what one camera for all leaves.
-    adjustment.loss_scale_px = together.loss_scale_px;
     // What was tied differently is nearer to what each is by itself than what was bent together.
-    const Adjusted apart = adjusted(ties == all ? together.model : model, problem, untied(problem),
-                                    options.ties, adjustment, {});
+    const Adjusted apart =
+        adjusted(ties == all ? together.model : model, problem, untied(problem), options.ties);
     if (!apart.model) return verdict;
     const auto kinds = compare(together, apart, problem, options.ties);
 
