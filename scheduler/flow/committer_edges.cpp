@@ -66,8 +66,8 @@ Result<bool> Committer::forget_places() {
     if (is_settled) return false;  // nothing has come since it was asked last
     PlaceVerdict verdict;
     std::set<ClusterId> holders;
-    for (const std::vector<ImageId>& images :
-         images_held_apart(state_.clustering, state_.edges, options_.solve.doubt.max_images)) {
+    for (const std::vector<ImageId>& images : images_held_apart(state_.clustering, state_.edges)) {
+        if (!options_.solve.policy.may_be_doubted(images.size())) continue;
         for (const ImagePair& pair : apart_pairs_of(state_.edges, images)) {
             verdict.together.push_back(pair);
             holders.insert(state_.clustering.cluster_of[index_of(pair.first)]);
@@ -146,7 +146,7 @@ std::vector<ClusterId> Committer::clusters_resting_on(std::span<const ImagePair>
 
 std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
                                                const ClusteringEdit& edit) {
-    const std::uint32_t mu_min = options_.solve.mu_min;
+    const std::uint32_t mu_min = options_.solve.policy.mu_min;
     std::vector<ImageId> changed(touched.begin(), touched.end());
     std::vector<ClusterId> clusters = edit.removed;
     for (const MovedMembers& moved : edit.moved) {
@@ -156,7 +156,7 @@ std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
         clusters.push_back(cluster.id);
         // A cluster that has just become large enough was in parts below mu_min before.
         const bool is_new_host = state_.clusters.entries().at(cluster.id).revision == 0;
-        if (cluster.members.size() < mu_min || is_new_host) {
+        if (!options_.solve.policy.makes_model(cluster.members.size()) || is_new_host) {
             changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
         }
     }

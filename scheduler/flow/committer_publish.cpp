@@ -58,9 +58,8 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     stored_version.version = scene->version;
     stored_version.image_count = scene->image_count;
     stored_version.effective_clusters = scene->effective_clusters;
-    stored_version.summary_json =
-        encode_summary({state_.counts, waiting_images(state_, options_.solve.mu_min),
-                        state_.past_events, weak_models(state_)});
+    stored_version.summary_json = encode_summary(
+        {state_.counts, waiting_images(state_), state_.past_events, weak_models(state_)});
     if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok()) return done;
     state_.constraints = merged.constraints;
     state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
@@ -86,7 +85,7 @@ std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
         const bool is_current = own.id == tried->tried_by && own.phase == ClusterPhase::kClean &&
                                 (!own.model || own.model->find(adoption.image) == nullptr) &&
                                 host != state_.clusters.entries().end() &&
-                                host->second.members.size() >= options_.solve.mu_min;
+                                options_.solve.policy.makes_model(host->second.members.size());
         if (!is_current) continue;
         tell(describe_adoption(adoption, own.id, state_.images[index_of(adoption.image)].name));
         state_.clusters.adopt(adoption.image, adoption.host);

@@ -34,7 +34,7 @@ std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& so
                                                          const ClusterEntry& entry) const {
     auto part =
         std::make_shared<const Reconstruction>(restricted_to(*source.model, images_of(entry)));
-    if (part->images.size() < mu_min_) return std::nullopt;
+    if (!makes_model(part->images.size())) return std::nullopt;
     return RecycledModel{source.cluster, source.revision, std::move(part), entry.topology};
 }
 
@@ -49,11 +49,11 @@ bool ClusterTable::keep_members(ClusterEntry& entry) const {
     bool lost = false;
     for (RecycledModel& recycled : entry.material) lost |= cut(recycled.model);
     std::erase_if(entry.material, [&](const RecycledModel& recycled) {
-        return recycled.model->images.size() < mu_min_;
+        return !makes_model(recycled.model->images.size());
     });
     // The published model would show images twice that are another cluster's by now.
     if (std::shared_ptr<const Reconstruction> model = entry.model; model && cut(model))
-        set_model(entry, model->images.size() < mu_min_ ? nullptr : std::move(model));
+        set_model(entry, !makes_model(model->images.size()) ? nullptr : std::move(model));
     return lost;
 }
 
@@ -136,7 +136,7 @@ void ClusterTable::make_dirty(ClusterEntry& entry) {
         entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
     if (in_flight) {
         set_phase(entry, ClusterPhase::kSolvingDirty);
-    } else if (entry.members.size() < mu_min_) {
+    } else if (!makes_model(entry.members.size())) {
         set_phase(entry, ClusterPhase::kClean);
         entry.solved_topology = entry.topology;
         set_model(entry, nullptr);
@@ -205,7 +205,7 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         ++coalesced_;
         // Images may have left meanwhile.
         keep_members(entry);
-        if (entry.members.size() < mu_min_) {
+        if (!makes_model(entry.members.size())) {
             set_phase(entry, ClusterPhase::kClean);
             entry.solved_topology = entry.topology;
             set_model(entry, nullptr);
@@ -289,7 +289,7 @@ void ClusterTable::restore(ClusterEntry entry) {
         if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
         cluster_of_[index_of(image)] = entry.id;
     }
-    const bool dirty = entry.solved_topology != entry.topology && entry.members.size() >= mu_min_;
+    const bool dirty = entry.solved_topology != entry.topology && makes_model(entry.members.size());
     set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
     entries_[entry.id] = std::move(entry);
 }

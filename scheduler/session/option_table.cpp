@@ -17,12 +17,14 @@ void assign(T& field, double value) {
     field = static_cast<T>(value);
 }
 
-// A macro, so that a name cannot differ from the field that it stands for.
-#define PSFM_OPTION(FIELD, LOW, HIGH, WHAT)                                             \
-    NamedOption {                                                                       \
-#FIELD, WHAT, LOW, HIGH,                                                              \
-            [](const StageOptions& options) { return static_cast<double>(options.FIELD); },   \
-            [](StageOptions& options, double value) { assign(options.FIELD, value); } \
+// A macro, so that a name cannot differ from the field that it stands for, unless the field has
+// moved since the name was released.
+#define PSFM_OPTION(FIELD, LOW, HIGH, WHAT) PSFM_MOVED_OPTION(#FIELD, FIELD, LOW, HIGH, WHAT)
+#define PSFM_MOVED_OPTION(NAME, FIELD, LOW, HIGH, WHAT)                                     \
+    NamedOption {                                                                           \
+        NAME, WHAT, LOW, HIGH,                                                              \
+            [](const StageOptions& options) { return static_cast<double>(options.FIELD); }, \
+            [](StageOptions& options, double value) { assign(options.FIELD, value); }       \
     }
 
 // clang-format off
@@ -48,9 +50,9 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.absolute_pose.min_inliers, 4, kCount, "inliers that a registration needs"),
     PSFM_OPTION(solve.assessment.max_invented, 0, 1, "part of known turns that a model may show as steps; 0: all"),
     PSFM_OPTION(solve.doubt.max_cuts, 0, 1000, "cuts of a doubted model that are tried"),
-    PSFM_OPTION(solve.doubt.max_images, 0, 2000, "images up to which a model is compared with others at the end; 0: none is"),
+    PSFM_MOVED_OPTION("solve.doubt.max_images", solve.policy.doubt_up_to, 0, 2000, "images up to which a model is compared with others at the end; 0: none is"),
     PSFM_OPTION(solve.doubt.min_missing_part, 0.01, 1, "part of a pair's regions that are missing where it contradicts its model"),
-    PSFM_OPTION(solve.eta_grow, 0, 100, "growth after which all of a model is adjusted"),
+    PSFM_MOVED_OPTION("solve.eta_grow", solve.policy.full_adjustment.again_when_grown_by, 0, 100, "growth after which all of a model is adjusted"),
     PSFM_OPTION(solve.few_points.min_points, 0, kCount, "points that an image needs which no model sees enough of; 0: as any"),
     PSFM_OPTION(solve.initialization.max_pairs, 1, kCount, "pairs tried for one start"),
     PSFM_OPTION(solve.initialization.min_angle_deg, 0, 180, "median triangulation angle of a start [deg]"),
@@ -58,8 +60,8 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.max_contradiction_deg, 0, 180, "rotations that differ by more contradict a model [deg]"),
     PSFM_OPTION(solve.max_edge_error_deg, 0, 180, "edges that differ by more from averaged rotations are left out [deg]"),
     PSFM_OPTION(solve.min_observations, 1, kCount, "observations that keep an image in its model"),
-    PSFM_OPTION(solve.mu_max, 2, kCount, "images up to which a new cluster is started incrementally"),
-    PSFM_OPTION(solve.mu_min, 2, kCount, "images that a cluster needs to be reconstructed"),
+    PSFM_MOVED_OPTION("solve.mu_max", solve.policy.mu_max, 2, kCount, "images up to which a new cluster is started incrementally"),
+    PSFM_MOVED_OPTION("solve.mu_min", solve.policy.mu_min, 2, kCount, "images that a cluster needs to be reconstructed"),
     PSFM_OPTION(solve.settling.noise.loss, 0, 1000, "width of the settling adjustment's loss, in noises of the model; 0: 1 px"),
     PSFM_OPTION(solve.settling.noise.max_error, 0, 1000, "error of an observation that settling keeps, in noises of the model; 0: as while growing"),
     PSFM_OPTION(solve.tracks.max_error_px, 0.01, 1000, "largest reprojection error of an observation [px]"),
@@ -80,6 +82,7 @@ constexpr std::array kTable{
 };
 // clang-format on
 #undef PSFM_OPTION
+#undef PSFM_MOVED_OPTION
 
 static_assert(std::ranges::is_sorted(kTable, {}, &NamedOption::name));
 

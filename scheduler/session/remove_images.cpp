@@ -124,7 +124,7 @@ Result<Reclustering> recluster(SessionState& state, const GraphWithout& without,
         cluster.members = members;
         cluster.topology = 1;
         cluster.apart = std::move(apart);
-        if (members.size() >= options.solve.mu_min) ++result.anew;
+        if (options.solve.policy.makes_model(members.size())) ++result.anew;
         if (live.contains(id)) gone.insert(id);
         result.edit.changed.push_back(std::move(cluster));
     }

@@ -94,7 +94,7 @@ Result<void> restore_models(const SessionReader& store, const StoredCluster& sto
                             const StageOptions& options, ClusterEntry& entry) {
     auto solution = store.solution(stored.id);
     if (!solution.ok()) return solution.error();
-    if (solution->has_value() && entry.members.size() >= options.solve.mu_min) {
+    if (solution->has_value() && options.solve.policy.makes_model(entry.members.size())) {
         const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
         entry.model = (*solution)->model;
         entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
@@ -143,7 +143,7 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     for (std::uint32_t i = 0; i < state.verified; ++i) {
         const auto image = static_cast<ImageId>(i);
         const auto host =
-            host_cluster(state.view_graph, state.clustering, image, options.solve.mu_min);
+            host_cluster(state.view_graph, state.clustering, image, options.solve.policy.mu_min);
         if (host) state.clusters.restore_host(image, *host);
     }
     for (const StoredCluster& stored : *clusters) {
@@ -174,7 +174,7 @@ std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs) {
 
 Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
                                         const StageOptions& options) {
-    RestoredSession restored{SessionState(options.solve.mu_min), {}, {}};
+    RestoredSession restored{SessionState(options.solve.policy.mu_min), {}, {}};
     if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
     if (const auto done = restore_view_graph(store, options.edges, restored.state); !done.ok())
         return done.error();

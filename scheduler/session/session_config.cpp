@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "scheduler/session/option_table.h"
@@ -91,11 +90,7 @@ Result<StageOptions> stage_options(const SessionConfig& config) {
         options.solve.places.min_contradictions = 0;
         options.solve.loops.min_open_edges = 0;
         options.solve.assessment.max_invented = 0.0;
-        options.solve.doubt.max_images = 0;
-        options.solve.extend_locally_from = 0;
-        options.solve.adjust_all_up_to = std::numeric_limits<std::uint32_t>::max();
-        options.solve.converge_up_to = std::numeric_limits<std::uint32_t>::max();
-        options.solve.rejoin_from_images = std::numeric_limits<std::uint32_t>::max();
+        options.solve.policy = paper_policy();
         options.verification.enough_pairs = 0;
         options.verification.verify.still.min_matches = 0;
         options.edges.still.min_pairs = 0;

@@ -95,7 +95,6 @@ std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs);
 std::vector<WeakModel> weak_models(const SessionState& state);
 
 /// Members of clusters that are in no published model, with the reason, ascending by image.
-std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,
-                                                           std::uint32_t mu_min);
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state);
 
 }  // namespace psfm

@@ -43,8 +43,7 @@ std::vector<WeakModel> weak_models(const SessionState& state) {
     return weak;
 }
 
-std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state,
-                                                           std::uint32_t mu_min) {
+std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
         const bool unsolved =
@@ -60,7 +59,7 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
                 reason = reason_without_edges(state.edges, image);
             } else if (unsolved && of_cluster.prevail()) {
                 reason = WaitReason::kNoParallax;
-            } else if (entry.members.size() < mu_min) {
+            } else if (!state.clusters.makes_model(entry.members.size())) {
                 reason = WaitReason::kClusterTooSmall;
             } else if (entry.phase == ClusterPhase::kClean) {
                 reason = unsolved ? WaitReason::kNoSeed : WaitReason::kRegistrationFailed;

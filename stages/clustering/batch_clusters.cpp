@@ -29,12 +29,7 @@ NearNeighbors near_neighbors(const ViewGraph& graph, const ClusteringOptions& op
 /// Near ones, and what rescues the groups that are too small.
 NearNeighbors links_of(const ViewGraph& graph, const ClusteringOptions& options) {
     NearNeighbors links = near_neighbors(graph, options);
-    std::vector<ImageId> small;
-    for (std::uint32_t i = 0; i < graph.size(); ++i) {
-        const auto image = static_cast<ImageId>(i);
-        if (small_group(links, image, options.join_below).size() < options.join_below)
-            small.push_back(image);
-    }
+    const std::vector<ImageId> small = in_small_groups(links, options.join_below);
     for (const auto& [a, b] : rescue_links(links, graph, small, options.join_below)) {
         links[index_of(a)].push_back(b);
         links[index_of(b)].push_back(a);

@@ -100,8 +100,7 @@ std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
 }
 
 std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clustering,
-                                                    const EdgeSelection& selection,
-                                                    std::uint32_t max_images) {
+                                                    const EdgeSelection& selection) {
     std::map<ClusterId, std::set<ClusterId>> neighbors;
     for (std::uint32_t image = 0; image < selection.apart.size(); ++image) {
         for (const ImageId other : selection.apart[image])
@@ -122,7 +121,7 @@ std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clust
                 if (reached.insert(other).second) open.push_back(other);
             }
         }
-        if (images.empty() || images.size() > max_images) continue;
+        if (images.empty()) continue;
         std::ranges::sort(images);
         groups.push_back(std::move(images));
     }

@@ -33,10 +33,8 @@ EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVe
 std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
                                       std::span<const ImageId> images);
 
-/// Images of clusters that such pairs connect, a list for each set of clusters, ascending; lists of
-/// more than `max_images` are left out.
+/// Images of clusters that such pairs connect, a list for each set of clusters, ascending.
 std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clustering,
-                                                    const EdgeSelection& selection,
-                                                    std::uint32_t max_images);
+                                                    const EdgeSelection& selection);
 
 }  // namespace psfm

@@ -103,6 +103,15 @@ std::vector<ImageId> small_group(const NearNeighbors& near, ImageId image, std::
     return found;
 }
 
+std::vector<ImageId> in_small_groups(const NearNeighbors& near, std::uint32_t join_below) {
+    std::vector<ImageId> images;
+    for (std::size_t i = 0; i < near.size(); ++i) {
+        const auto image = static_cast<ImageId>(i);
+        if (small_group(near, image, join_below).size() < join_below) images.push_back(image);
+    }
+    return images;
+}
+
 std::vector<ImagePair> rescue_links(const NearNeighbors& near, const ViewGraph& graph,
                                     std::span<const ImageId> images, std::uint32_t join_below) {
     return Kruskal(near, images, join_below).links(graph, /*lead_out=*/true);

@@ -18,6 +18,9 @@ using NearNeighbors = std::vector<std::vector<ImageId>>;
 /// In order of discovery, the image itself first.
 std::vector<ImageId> small_group(const NearNeighbors& near, ImageId image, std::uint32_t at_least);
 
+/// All images of groups of fewer than `join_below`, ascending.
+std::vector<ImageId> in_small_groups(const NearNeighbors& near, std::uint32_t join_below);
+
 /// Links that join groups of fewer than `join_below` images to what they share most with (ours): a
 /// thin scene has no dense parts, and falls into pieces which are too small to be reconstructed,
 /// though together they would make a model. Edges are taken by strength, those that count in

@@ -80,12 +80,7 @@ std::vector<ImagePair> rescue(ClusteringState& state, const ViewGraph& graph,
     }
     std::vector<ImagePair> lost = update_links(state, graph, before, options).removed;
     if (options.join_below == 0) return lost;
-    std::vector<ImageId> small;
-    for (std::size_t i = 0; i < state.size(); ++i) {
-        const auto image = static_cast<ImageId>(i);
-        if (small_group(state.links, image, options.join_below).size() < options.join_below)
-            small.push_back(image);
-    }
+    const std::vector<ImageId> small = in_small_groups(state.links, options.join_below);
     for (const ImagePair& pair : rescue_links(state.links, graph, small, options.join_below)) {
         set_rescued(state, pair);
         std::erase(lost, pair);

@@ -21,7 +21,7 @@ void measure(const std::string& folder, const std::string& reference, std::uint3
     const auto session = need(open_session_reader(folder, {}));
     const ClusterProblem problem = cluster_of_session(*session, step);
     SolveOptions options;
-    options.mu_max = mu_max;
+    options.policy.mu_max = mu_max;
     const std::clock_t start = std::clock();
     const ClusterSolution solution = need(solve_cluster(problem, options));
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;

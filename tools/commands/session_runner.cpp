@@ -86,9 +86,8 @@ Result<void> refine_reasons(const SessionReader& store, SessionRun& run) {
 int report_nothing_placed(const SessionRun& run) {
     std::vector<WaitReason> reasons;
     for (const auto& [name, reason] : run.waiting) reasons.push_back(reason);
-    return report_error(
-        {ErrorCode::kUnreadable, why_nothing_is_placed(reasons, SolveOptions{}.mu_min)},
-        ErrorOrigin::kOtherInput);
+    return report_error({ErrorCode::kUnreadable, why_nothing_is_placed(reasons, SolvePolicy{})},
+                        ErrorOrigin::kOtherInput);
 }
 
 }  // namespace

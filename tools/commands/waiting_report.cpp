@@ -41,10 +41,10 @@ const char* cause(WaitReason reason) {
 
 }  // namespace
 
-std::string why_nothing_is_placed(std::span<const WaitReason> waiting, std::uint32_t mu_min) {
+std::string why_nothing_is_placed(std::span<const WaitReason> waiting, const SolvePolicy& policy) {
     std::string line = "nothing could be placed: ";
-    if (waiting.size() < mu_min) {
-        return line + "a model takes at least " + std::to_string(mu_min) +
+    if (!policy.makes_model(waiting.size())) {
+        return line + "a model takes at least " + std::to_string(policy.mu_min) +
                " photographs of one place, and there " + (waiting.size() == 1 ? "is " : "are ") +
                std::to_string(waiting.size()) + "; add more";
     }

@@ -9,12 +9,13 @@
 
 #include "graph/scene.h"
 #include "scheduler/session/weak_model.h"
+#include "stages/reconstruction/model/solve_policy.h"
 
 namespace psfm {
 
 /// Why a session of so many images has placed none of them, most likely, and what helps: one line.
-/// @param mu_min  images that a model takes
-std::string why_nothing_is_placed(std::span<const WaitReason> waiting, std::uint32_t mu_min);
+/// @param policy  says how many a model takes
+std::string why_nothing_is_placed(std::span<const WaitReason> waiting, const SolvePolicy& policy);
 
 /// One line for each way in which a model is weak.
 std::vector<std::string> describe(const WeakModel& model);

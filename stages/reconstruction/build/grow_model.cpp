@@ -103,11 +103,11 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
 }
 
 /// Structure around a newly registered image. @return whether the image keeps enough observations
-bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem& problem,
-                  std::uint32_t min_observations, const SolveOptions& options,
-                  SolveStatistics& statistics) {
-    statistics.local_adjustments +=
-        refine_locally(model, std::span(&image, 1), problem.fix_intrinsics, options);
+bool settle_image(SolveDraft& draft, std::uint32_t image, std::uint32_t min_observations,
+                  const SolveContext& context) {
+    WorkingModel& model = draft.model;
+    draft.statistics.local_adjustments += refine_locally(
+        model, std::span(&image, 1), context.problem.fix_intrinsics, context.options);
     std::uint32_t observations = 0;
     for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
         if (model.point_of({image, index}) != WorkingModel::kNoPoint) ++observations;
@@ -117,15 +117,29 @@ bool settle_image(WorkingModel& model, std::uint32_t image, const ClusterProblem
     return false;
 }
 
+/// Adjusts a model that has grown enough since the last time.
+Result<void> adjust_grown(SolveDraft& draft, const SolveContext& context) {
+    const std::uint32_t placed = draft.model.registered_count();
+    const std::uint32_t adjusted = draft.state.images_at_full_adjustment;
+    if (placed <= adjusted || !context.options.policy.full_adjustment.is_due(placed, adjusted))
+        return {};
+    const auto adjustments =
+        refine_grown(draft.model, placed - adjusted, context.problem.fix_intrinsics,
+                     context.options, context.cancel);
+    if (!adjustments.ok()) return adjustments.error();
+    draft.statistics.full_adjustments += *adjustments;
+    draft.state.images_at_full_adjustment = draft.model.registered_count();
+    return {};
+}
+
 }  // namespace
 
-Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
-                        const SolveOptions& options, const std::atomic<bool>* cancel,
-                        SolveState& state, SolveStatistics& statistics, std::uint32_t at_most) {
-    const std::vector<Demand> asked = demands(options);
+Result<void> grow_model(SolveDraft& draft, const SolveContext& context, std::uint32_t at_most) {
+    WorkingModel& model = draft.model;
+    const std::vector<Demand> asked = demands(context.options);
     std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
-    const std::uint32_t before = statistics.registered;
-    while (statistics.registered - before < at_most) {
+    const std::uint32_t before = draft.statistics.registered;
+    while (draft.statistics.registered - before < at_most) {
         std::optional<std::uint32_t> image;
         auto demand = asked.begin();
         for (; demand != asked.end(); ++demand) {
@@ -133,21 +147,13 @@ Result<void> grow_model(WorkingModel& model, const ClusterProblem& problem,
             if (image) break;
         }
         if (!image) break;
-        if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
+        if (const auto going_on = not_cancelled(context.cancel); !going_on.ok())
+            return going_on.error();
         points_at_last_try[*image] = model.visible_points(*image);
-        if (!register_image(model, *image, problem, demand->pose)) continue;
-        if (!settle_image(model, *image, problem, demand->observations, options, statistics))
-            continue;
-        ++statistics.registered;
-        const double grown =
-            static_cast<double>(model.registered_count()) - state.images_at_full_adjustment;
-        if (grown > options.eta_grow * static_cast<double>(state.images_at_full_adjustment)) {
-            const auto adjustments = refine_grown(model, static_cast<std::uint32_t>(grown),
-                                                  problem.fix_intrinsics, options, cancel);
-            if (!adjustments.ok()) return adjustments.error();
-            statistics.full_adjustments += *adjustments;
-            state.images_at_full_adjustment = model.registered_count();
-        }
+        if (!register_image(model, *image, context.problem, demand->pose)) continue;
+        if (!settle_image(draft, *image, demand->observations, context)) continue;
+        ++draft.statistics.registered;
+        if (const auto adjusted = adjust_grown(draft, context); !adjusted.ok()) return adjusted;
     }
     return {};
 }

@@ -29,11 +29,9 @@ std::vector<Reconstruction> worth_joining(std::vector<Reconstruction> parts,
 
 }  // namespace
 
-Result<void> join_while_growing(WorkingModel& model, Recycling recycling,
-                                const ClusterProblem& problem, const LocalGraph& graph,
-                                const SolveOptions& options, const std::atomic<bool>* cancel,
-                                const HandleJoint& handle, SolveState& state,
-                                SolveStatistics& statistics) {
+Result<void> join_while_growing(SolveDraft& draft, Recycling recycling, const SolveContext& context,
+                                const HandleJoint& handle) {
+    SolveStatistics& statistics = draft.statistics;
     statistics.left_models = recycling.joined + recycling.left;
     for (std::uint32_t pace = kFirstRetry;; pace *= 2) {
         if (recycling.joined > 0) {
@@ -43,14 +41,14 @@ Result<void> join_while_growing(WorkingModel& model, Recycling recycling,
             if (!going_on.ok()) return going_on.error();
             if (!*going_on) return {};
         }
-        if (recycling.unrelated.empty())
-            return grow_model(model, problem, options, cancel, state, statistics);
+        if (recycling.unrelated.empty()) return grow_model(draft, context);
         const std::uint32_t before = statistics.registered;
-        const auto grown = grow_model(model, problem, options, cancel, state, statistics, pace);
+        const auto grown = grow_model(draft, context, pace);
         if (!grown.ok()) return grown.error();
         if (statistics.registered == before) return {};
-        auto parts = worth_joining(std::move(recycling.unrelated), model, options.mu_min);
-        recycling = join_models(model, std::move(parts), problem, graph, options);
+        auto parts = worth_joining(std::move(recycling.unrelated), draft.model,
+                                   context.options.policy.mu_min);
+        recycling = join_models(draft.model, std::move(parts), context);
     }
 }
 

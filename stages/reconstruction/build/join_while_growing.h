@@ -2,15 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <functional>
 
 #include "graph/result.h"
 #include "stages/reconstruction/build/recycle_models.h"
-#include "stages/reconstruction/model/cluster_problem.h"
-#include "stages/reconstruction/model/local_graph.h"
-#include "stages/reconstruction/model/solve_options.h"
-#include "stages/reconstruction/model/working_model.h"
+#include "stages/reconstruction/model/solve_context.h"
 
 namespace psfm {
 
@@ -23,12 +19,8 @@ using HandleJoint = std::function<Result<bool>(const Recycling&)>;
 /// time (ours).
 /// @param recycling  of load_recycled
 /// @param handle  called for each joint, that of `recycling` first
-/// @return counts, in `statistics`
 /// @errors those of grow_model and `handle`. Deterministic.
-Result<void> join_while_growing(WorkingModel& model, Recycling recycling,
-                                const ClusterProblem& problem, const LocalGraph& graph,
-                                const SolveOptions& options, const std::atomic<bool>* cancel,
-                                const HandleJoint& handle, SolveState& state,
-                                SolveStatistics& statistics);
+Result<void> join_while_growing(SolveDraft& draft, Recycling recycling, const SolveContext& context,
+                                const HandleJoint& handle);
 
 }  // namespace psfm

@@ -81,16 +81,16 @@ struct Placement {
 };
 
 Placement place_beside(const Reconstruction& base, const Reconstruction& part,
-                       const ClusterProblem& problem, const LocalGraph& graph,
-                       const SolveOptions& options) {
-    const std::vector<VerifiedPairPtr> edges = edges_between(graph, base, part);
+                       const SolveContext& context) {
+    const std::vector<VerifiedPairPtr> edges = edges_between(context.graph, base, part);
     if (edges.empty()) return {};
     const ClusterIndex part_index(part, images_of(part));
     const ClusterIndex base_index(base, images_of(base));
     const ClusterConstraint constraint =
-        estimate_cluster_constraint(part_index, base_index, edges, options.transfer);
+        estimate_cluster_constraint(part_index, base_index, edges, context.options.transfer);
     Placement placement{std::nullopt, constraint.edges_tried > 0};
-    const RotationCheck check(problem, graph, options.max_contradiction_deg);
+    const RotationCheck check(context.problem, context.graph,
+                              context.options.max_contradiction_deg);
     if (constraint.accepted() && check.agrees(base, part, constraint.b_from_a, edges))
         placement.base_from_part = constraint.b_from_a;
     return placement;
@@ -105,17 +105,8 @@ std::vector<ImageId> members_of(const ClusterProblem& problem) {
     return members;
 }
 
-SolveState state_of_recycled(const ClusterProblem& problem) {
-    SolveState state = problem.recycled_state;
-    const std::size_t images = problem.recycled.front()->images.size();
-    state.images_at_full_adjustment =
-        std::min(state.images_at_full_adjustment, static_cast<std::uint32_t>(images));
-    return state;
-}
-
 Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
-                      const ClusterProblem& problem, const LocalGraph& graph,
-                      const SolveOptions& options) {
+                      const SolveContext& context) {
     Recycling recycling;
     std::vector<bool> is_asked(parts.size(), false);  // by part, in the last round
     bool progress = true;
@@ -124,13 +115,13 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
         const Reconstruction base = model.save();
         for (std::size_t p = 0; p < parts.size(); ++p) {
             const Reconstruction& part = parts[p];
-            const Placement placement = place_beside(base, part, problem, graph, options);
+            const Placement placement = place_beside(base, part, context);
             is_asked[p] = placement.is_asked;
             if (!placement.base_from_part) continue;
             model.append(part, *placement.base_from_part);
             for (const RegisteredImage& image : part.images)
                 recycling.images.push_back(model.numbers().of(image.image));
-            for (const VerifiedPairPtr& pair : edges_between(graph, base, part)) {
+            for (const VerifiedPairPtr& pair : edges_between(context.graph, base, part)) {
                 recycling.joint.push_back(model.numbers().of(pair->pair.first));
                 recycling.joint.push_back(model.numbers().of(pair->pair.second));
             }
@@ -150,14 +141,13 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
     return recycling;
 }
 
-Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
-                        const SolveOptions& options) {
-    model.load(*problem.recycled.front());
-    const std::vector<ImageId> members = members_of(problem);
+Recycling load_recycled(WorkingModel& model, const SolveContext& context) {
+    model.load(*context.problem.recycled.front());
+    const std::vector<ImageId> members = members_of(context.problem);
     std::vector<Reconstruction> parts;
-    for (const auto& recycled : problem.recycled | std::views::drop(1))
+    for (const auto& recycled : context.problem.recycled | std::views::drop(1))
         parts.push_back(restricted_to(*recycled, members));
-    return join_models(model, std::move(parts), problem, graph, options);
+    return join_models(model, std::move(parts), context);
 }
 
 }  // namespace psfm

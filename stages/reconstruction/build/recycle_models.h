@@ -5,10 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stages/reconstruction/model/cluster_problem.h"
-#include "stages/reconstruction/model/local_graph.h"
-#include "stages/reconstruction/model/solve_options.h"
-#include "stages/reconstruction/model/working_model.h"
+#include "stages/reconstruction/model/solve_context.h"
 
 namespace psfm {
 
@@ -26,23 +23,16 @@ struct Recycling {
 /// Images of a cluster, ascending.
 std::vector<ImageId> members_of(const ClusterProblem& problem);
 
-/// The state of the first recycled model. Of what was adjusted, images may have left it since: they
-/// do not stand in for others that come.
-/// REQUIRES: problem.recycled not empty
-SolveState state_of_recycled(const ClusterProblem& problem);
-
 /// Moves models onto one that is there, each by the similarity that the 3D-3D correspondences of
 /// the local graph's edges between them agree on, if the relative rotations it brings about agree
 /// with the averaged ones. Models that find no place are tried again after each one that does.
 /// Nothing is adjusted; tracks are not fused yet. Deterministic.
 Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
-                      const ClusterProblem& problem, const LocalGraph& graph,
-                      const SolveOptions& options);
+                      const SolveContext& context);
 
 /// Loads the problem's recycled models (paper sec. "Cluster Reconstruction", transfer): the first
 /// as it is, the others joined to it.
 /// REQUIRES: nothing registered in `model` yet, problem.recycled not empty. Deterministic.
-Recycling load_recycled(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
-                        const SolveOptions& options);
+Recycling load_recycled(WorkingModel& model, const SolveContext& context);
 
 }  // namespace psfm

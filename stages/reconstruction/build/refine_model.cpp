@@ -156,8 +156,8 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
 Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
                                            const SolveOptions& options,
                                            const std::atomic<bool>* cancel) {
-    const bool is_large = model.registered_count() > options.converge_up_to;
-    return refine_model(model, fix_intrinsics, is_large ? options.large_growth : options.growth,
+    const bool is_rough = options.policy.effort_of(model.registered_count()) == SolveEffort::kRough;
+    return refine_model(model, fix_intrinsics, is_rough ? options.large_growth : options.growth,
                         options, cancel);
 }
 
@@ -180,7 +180,7 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
                                     std::span<const std::uint32_t> joint, bool fix_intrinsics,
                                     const SolveOptions& options, const std::atomic<bool>* cancel) {
-    if (model.registered_count() <= options.adjust_all_up_to)
+    if (options.policy.scope_of(model.registered_count()) == SolveScope::kAll)
         return refine_changed_model(model, fix_intrinsics, options, cancel);
     std::vector<std::uint32_t> images;
     std::ranges::set_union(joined, joint, std::back_inserter(images));
@@ -197,7 +197,7 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
 
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
-    if (model.registered_count() <= options.adjust_all_up_to)
+    if (options.policy.scope_of(model.registered_count()) == SolveScope::kAll)
         return refine_changed_model(model, fix_intrinsics, options, cancel);
     std::vector<std::uint32_t> newest = registered_images(model);
     newest.erase(newest.begin(),

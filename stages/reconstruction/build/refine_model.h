@@ -24,7 +24,7 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const std::atomic<bool>* cancel = nullptr);
 
 /// The same after much of a model has changed: to convergence (`growth`) or, of more than
-/// `converge_up_to`, in the few steps of `large_growth`.
+/// SolvePolicy::converge_up_to, in the few steps of `large_growth`.
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
                                            const SolveOptions& options,
@@ -42,9 +42,9 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
                                     const std::atomic<bool>* cancel = nullptr);
 
 /// Adjusts a model that others were joined to: all of it (refine_changed_model) or, of more than
-/// `adjust_all_up_to`, the joined images and the first model around the joint, whose far end holds
-/// the gauge: a part that was moved by a similarity is not held by anything else, and finds its
-/// place as a whole.
+/// SolvePolicy::affordable_up_to, the joined images and the first model around the joint, whose far
+/// end holds the gauge: a part that was moved by a similarity is not held by anything else, and
+/// finds its place as a whole.
 /// @param joined  images of the models that were joined to the first, ascending
 /// @param joint  ends of edges between the models, ascending
 /// @param cancel  as above
@@ -62,7 +62,7 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
                                     bool fix_intrinsics, const SolveOptions& options);
 
 /// Adjusts a model that has grown by so many images since the last time: all of it, as in the
-/// paper, or as above; of more than `adjust_all_up_to`, the images that came last, with their
+/// paper, or as above; of more than that, the images that came last, with their
 /// neighbours.
 /// @param cancel  as above
 /// @errors kDegenerate, kCancelled

@@ -74,7 +74,7 @@ void unregister_all(WorkingModel& model) {
 Error too_few(const WorkingModel& model, const SolveOptions& options) {
     return {ErrorCode::kDegenerate,
             "global reconstruction: " + std::to_string(model.registered_count()) +
-                " images could be placed, mu_min is " + std::to_string(options.mu_min)};
+                " images could be placed, mu_min is " + std::to_string(options.policy.mu_min)};
 }
 
 /// Images with poses from rotations and directions.
@@ -185,7 +185,7 @@ Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProble
     SolveOptions strict = options;
     strict.min_observations = std::max(options.min_observations, options.absolute_pose.min_inliers);
     remove_weak_images(model, strict);
-    if (model.registered_count() < options.mu_min) {
+    if (!options.policy.makes_model(model.registered_count())) {
         const Error error = too_few(model, options);
         unregister_all(model);
         return error;

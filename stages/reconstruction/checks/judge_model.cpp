@@ -3,7 +3,6 @@
 #include "stages/reconstruction/checks/judge_model.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace psfm {
 namespace {
@@ -22,40 +21,28 @@ std::size_t observation_count(const Reconstruction& model) {
 
 }  // namespace
 
-bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options) {
-    const auto images = static_cast<double>(attempt.model.images.size());
-    const auto asked = static_cast<double>(attempt.state.images_at_places);
-    return images > options.ask_at_once_up_to &&
-           std::abs(images - asked) <= options.ask_again * asked;
-}
-
-bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
-                          const SolveState& state, bool settle, const SolveOptions& options) {
+bool is_bad_configuration(const Contradiction& contradiction, const SolveState& state,
+                          const DueQuestions& due, const SolveOptions& options) {
     if (contradiction.angle_deg <= options.max_contradiction_deg) return false;
-    if (settle && state.new_start_is_due) return true;
-    const bool worse = contradiction.angle_deg > 1.5 * state.tolerated_contradiction_deg;
-    const bool larger = 4 * images > 5 * std::size_t{state.images_at_contradiction};
-    return worse || larger;
+    return due.rotations || contradiction.angle_deg > 1.5 * state.tolerated_contradiction_deg;
 }
 
 std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
                                              const ClusterProblem& problem,
                                              const SolveOptions& options) {
     const std::size_t placed = attempt.model.images.size();
-    if (is_bad_configuration(attempt.contradiction, placed, attempt.state, problem.settle, options))
+    const DueQuestions due = plan_solve(problem, attempt.state, placed, options.policy).due;
+    if (is_bad_configuration(attempt.contradiction, attempt.state, due, options))
         return Reset::Reason::kContradiction;
     // What was started with few images may stand where the others cannot be reached from.
-    const std::size_t members = problem.images.size();
-    const std::size_t at_start = attempt.state.images_at_start;
-    const bool larger = problem.settle ? members > at_start : 4 * members > 5 * at_start;
-    if (4 * placed < 3 * members && larger) return Reset::Reason::kStuck;
+    if (due.new_start && 4 * placed < 3 * problem.images.size()) return Reset::Reason::kStuck;
     return std::nullopt;
 }
 
 bool is_put_off(const SolveAttempt& attempt, const ClusterProblem& problem, Reset::Reason reason,
                 const SolveOptions& options) {
     return reason == Reset::Reason::kContradiction && !problem.settle &&
-           problem.images.size() > options.adjust_all_up_to &&
+           options.policy.scope_of(problem.images.size()) != SolveScope::kAll &&
            contradicting_part(attempt) <= options.max_contradicting_edges;
 }
 

@@ -8,6 +8,7 @@
 
 #include "graph/reconstruction.h"
 #include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/plan_solve.h"
 #include "stages/reconstruction/model/solve_options.h"
 
 // When a recycled model is doubted, and whether a new one takes its place.
@@ -25,15 +26,11 @@ struct SolveAttempt {
     std::optional<std::vector<std::vector<ImageId>>> places;
 };
 
-/// Whether a large model has hardly changed since it was asked for places: the next change may ask.
-bool was_asked_lately(const SolveAttempt& attempt, const PlaceOptions& options);
-
 /// Whether a model that was recycled contradicts the averaged rotations, and something is to be
 /// done about it (paper sec. "Detection of Bad Configurations"). One that has been looked at before
-/// has to have become worse, or larger by a quarter (ours): else an ambiguous cluster would be
-/// solved new with every image. Or it settles, for which that was put off.
-bool is_bad_configuration(const Contradiction& contradiction, std::size_t images,
-                          const SolveState& state, bool settle, const SolveOptions& options);
+/// has to have become worse, unless it is due (SolvePolicy::rotations; ours).
+bool is_bad_configuration(const Contradiction& contradiction, const SolveState& state,
+                          const DueQuestions& due, const SolveOptions& options);
 
 /// Whether a recycled model is to be compared with a new one, and why: it is a bad configuration,
 /// or it leaves out more than a quarter of a cluster that has grown since it was started (ours).
@@ -42,8 +39,8 @@ std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
                                              const SolveOptions& options);
 
 /// Whether the new model waits until the old one settles (ours): to start a cluster of more images
-/// than `adjust_all_up_to` takes minutes, for which images would wait, and hardly an edge of it
-/// contradicts.
+/// than are affordable (SolvePolicy) takes minutes, for which images would wait, and hardly an edge
+/// of it contradicts.
 bool is_put_off(const SolveAttempt& attempt, const ClusterProblem& problem, Reset::Reason reason,
                 const SolveOptions& options);
 

@@ -147,10 +147,7 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
     const std::vector<SideBySide> strangers =
         sharing_up_to(count_all_points(model, options, suspicious), options.max_shared_by_chance);
     if (strangers.size() < options.min_contradictions) return {};
-    const bool is_large = model.images.size() > options.ask_at_once_up_to;
-    const std::vector<SideBySide> side_by_side =
-        is_large ? count_doubtful(model, options, glanced, strangers)
-                 : find_side_by_side(model, options);
+    const std::vector<SideBySide> side_by_side = count_doubtful(model, options, glanced, strangers);
     const std::vector<std::uint32_t> part_of =
         contract_signed_graph(model.images.size(), weigh(model, pairs, side_by_side, options));
     std::map<std::uint32_t, std::vector<ImageId>> places;

@@ -35,8 +35,6 @@ struct AssessmentOptions {
     double min_relative_focal = 0.29;
     double max_relative_focal = 5.7;
     double max_focal_factor = 1.6;
-    /// Larger models are assessed when they settle only: it takes a look at all of their points.
-    std::uint32_t assess_up_to = 200;
 };
 
 /// @errors kInvalidArgument

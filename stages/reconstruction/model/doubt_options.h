@@ -8,13 +8,10 @@
 
 namespace psfm {
 
-/// When a model is doubted for what its images should see and do not, and what is tried then
-/// (missing_regions.h, reconsider_model.h). All ours; figures: docs/look-alikes.md, "Missing
-/// regions".
+/// When a model of up to SolvePolicy::doubt_up_to images is doubted for what its images should see
+/// and do not, and what is tried then (missing_regions.h, reconsider_model.h). All ours; figures:
+/// docs/look-alikes.md, "Missing regions".
 struct DoubtOptions {
-    /// Models of more images are not looked at; 0: none is, as in the paper. Raised: every pair of
-    /// images is compared, so the cost grows with the square.
-    std::uint32_t max_images = 150;
     /// Regions along each side of a photograph. Raised: fewer points in each, which chance can
     /// miss; lowered: what differs beside a look-alike is mixed with what agrees.
     std::uint32_t grid = 8;

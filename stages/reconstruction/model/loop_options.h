@@ -8,16 +8,13 @@
 
 namespace psfm {
 
-/// When a model has loops that are open, and how they are closed. All ours, tuned on the simulated
-/// town; figures: docs/accuracy.md, "Loops".
+/// When a model of more than SolvePolicy::affordable_up_to has loops that are open, and how they
+/// are closed; smaller ones are adjusted as a whole when they grow, and hardly drift. All ours,
+/// tuned on the simulated town; figures: docs/accuracy.md, "Loops".
 struct LoopOptions {
     /// Open edges that a model must have; 0: loops are never closed, as in the paper. Lowered:
     /// single wrong edges bend models; raised: loops that close with few images stay open.
     std::uint32_t min_open_edges = 10;
-    /// Images from which a model is asked. Smaller ones are adjusted as a whole when they grow
-    /// (SolveOptions::adjust_all_up_to), and hardly drift. Lowered: slower, and look-alikes of
-    /// small scenes are asked; raised: drift of smaller models stays.
-    std::uint32_t min_images = 1000;
     /// Matches of an edge whose features both belong to points, before it says anything.
     std::uint32_t min_matches = 10;
     /// An edge is open when hardly any of these have a point in common ...

@@ -16,7 +16,6 @@ Result<void> validate(const PlaceOptions& options) {
     if (options.min_expected == 0) return invalid("min_expected must be at least 1");
     if (!(options.same_place > 0.0 && options.same_place < 1.0))
         return invalid("same_place must be between 0 and 1");
-    if (!(options.ask_again >= 0.0)) return invalid("ask_again is negative");
     if (!(options.edge_weight >= 0.0)) return invalid("edge_weight is negative");
     if (!(options.max_shared_by_chance >= 0.0 && options.max_shared_by_chance < options.same_place))
         return invalid("max_shared_by_chance must be between 0 and same_place");

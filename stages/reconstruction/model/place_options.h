@@ -45,12 +45,6 @@ struct PlaceOptions {
     /// resets put right, and which could not make a cluster. Ours: two of 435 photographs of
     /// quad-streams were taken for a place, and stayed without one in the end.
     std::uint32_t min_images = 5;
-    /// A model of more images than this is asked at once only where it was joined, placed anew or
-    /// settled; where images are added to it, when it has changed by `ask_again` of its images
-    /// since it was last asked. All points are then counted only where a few leave a doubt. Raised:
-    /// an image takes longer the more there are; lowered: folds are seen later. Ours.
-    std::uint32_t ask_at_once_up_to = 1000;
-    double ask_again = 0.01;
     /// Part of the expected points up to which a pair shares nothing: chance matches do occur.
     double max_shared_by_chance = 0.02;
 };

@@ -24,16 +24,13 @@ Result<void> validate(const SolveOptions& options) {
          {validate(options.absolute_pose), validate(options.tracks),
           validate(options.local_adjustment), validate(options.growth.adjustment),
           validate(options.large_growth.adjustment), validate(options.settling.adjustment),
-          validate(options.rotation_averaging), validate(options.global), validate(options.places),
-          validate(options.loops), validate(options.ties), validate(options.assessment),
-          validate(options.doubt)}) {
+          validate(options.rotation_averaging), validate(options.global), validate(options.policy),
+          validate(options.places), validate(options.loops), validate(options.ties),
+          validate(options.assessment), validate(options.doubt)}) {
         if (!part.ok()) return part;
     }
-    if (options.mu_min < 2)
-        return Error{ErrorCode::kInvalidArgument, "a cluster to be solved has at least 2 images"};
-    if (!(options.max_edge_error_deg > 0) || !(options.eta_grow > 0)) {
-        return Error{ErrorCode::kInvalidArgument, "rho_g,max and eta_grow must be positive"};
-    }
+    if (!(options.max_edge_error_deg > 0))
+        return Error{ErrorCode::kInvalidArgument, "rho_g,max must be positive"};
     if (options.plausibility) {
         if (auto valid = validate(*options.plausibility); !valid) return valid;
     }

@@ -19,6 +19,7 @@
 #include "stages/reconstruction/model/estimate_point.h"
 #include "stages/reconstruction/model/loop_options.h"
 #include "stages/reconstruction/model/place_options.h"
+#include "stages/reconstruction/model/solve_policy.h"
 #include "stages/reconstruction/model/tie_options.h"
 #include "stages/verification/verify_options.h"
 
@@ -117,37 +118,16 @@ struct FewPointsOptions {
 };
 
 struct SolveOptions {
-    /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5.
-    std::uint32_t mu_min = 5;
-    /// New clusters with more images are started globally instead of incrementally. Raised: slower;
-    /// lowered: small sets, in which few measurements correct each other, are less sure.
-    /// Paper: mu_max = 50.
-    std::uint32_t mu_max = 50;
+    /// The sizes at which a solve changes its ways.
+    SolvePolicy policy;
     GlobalOptions global;
     /// Edges that differ from the averaged rotations by more are dropped from the local graph
     /// [deg]. Higher: wrong pairs stay in; lower: noisy right ones go. Paper: rho_g,max = 10.
     double max_edge_error_deg = 10.0;
-    /// All of the model is adjusted when it has grown by this fraction. Lower: slower, more
-    /// accurate in between. Paper: eta_grow = 0.15.
-    double eta_grow = 0.15;
     FewPointsOptions few_points;
-    /// Models of so many images are extended by what new images can change (extend_locally.h); 0:
-    /// always with all of the cluster, as in the paper. Lowered: wrong edges that only all of the
-    /// cluster's rotations tell from right ones are kept more often; raised: an image takes longer
-    /// the more there are. Ours.
-    std::uint32_t extend_locally_from = 200;
-    /// Models of more images are adjusted in the few steps of `large_growth` when they have grown
-    /// or were joined: from there on what is left is bending, which takes tens of steps to undo and
-    /// is undone when they settle. Raised: slower, models bent by less while images stream in.
-    /// Ours (docs/performance.md).
-    std::uint32_t converge_up_to = 500;
-    /// Larger models are adjusted where they have grown or were joined, all of them only when they
-    /// settle, and most of them are not solved new before that (is_put_off): an image costs the
-    /// same however many there are. Raised: slower, drift spreads over the whole model sooner; the
-    /// paper adjusts all, whatever the size. Ours.
-    std::uint32_t adjust_all_up_to = 1000;
-    /// Images of such a model that are adjusted where others were joined to it, beside these, at
-    /// least. Raised: slower; lowered: what they differ by is spread over fewer. Ours.
+    /// Images of a model of more than policy.affordable_up_to that are adjusted where others were
+    /// joined to it, beside these, at least. Raised: slower; lowered: what they differ by is spread
+    /// over fewer. Ours.
     std::uint32_t images_around_joint = 200;
     /// Images beside the new one whose poses move in a local adjustment. COLMAP 3.8: 6 in all.
     std::uint32_t local_neighbors = 5;
@@ -162,12 +142,8 @@ struct SolveOptions {
     /// this part of the model; else the cluster is solved new. Raised: folds may be patched instead
     /// of undone; lowered: slower, since one wrong image gives up the work of hundreds. Ours.
     double max_reset_images = 0.15;
-    /// Images from which a model whose parts contradict each other, and not themselves, is taken
-    /// apart and joined again as the edges between say now, before it is solved new. Lowered: a
-    /// smaller model keeps what a new one would have found better. Ours: a new start with 1,900
-    /// images takes two minutes, this two seconds.
-    std::uint32_t rejoin_from_images = 200;
-    /// Part of the edges that may still contradict after that: at such places it is the averaged
+    /// Part of the edges that may still contradict after a large model was taken apart and joined
+    /// again: at such places it is the averaged
     /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours.
     double max_contradicting_edges = 0.02;
     /// When images that a model shows side by side are of different places.
@@ -192,7 +168,7 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
-    /// Of models of more than converge_up_to that have grown or were joined. More or
+    /// Of models of more than policy.converge_up_to that have grown or were joined. More or
     /// longer rounds: slower; fewer: they stay bent by more until they settle
     /// (docs/performance.md). Ours.
     RefinementOptions large_growth{

@@ -7,8 +7,7 @@ namespace psfm {
 Result<void> validate(const TieOptions& options) {
     if (!(options.min_gain >= 1.0) || !(options.excused_px >= 0.0) ||
         !(options.min_deviation > 0.0) || !(options.max_step > 0.0) ||
-        options.points_per_image == 0 || !(options.ask_again >= 0.0) ||
-        options.max_iterations < 1) {
+        options.points_per_image == 0 || options.max_iterations < 1) {
         return Error{ErrorCode::kInvalidArgument,
                      "ties of cameras: min_gain is at least 1, the others are above 0"};
     }

@@ -33,9 +33,6 @@ struct TieOptions {
     /// Points that are looked at, about so many seen by each image. Raised: slower; lowered: focal
     /// lengths are less certain. Ours.
     std::uint32_t points_per_image = 400;
-    /// A model is asked again when it has grown by this part, and when it settles. Raised: mixed
-    /// zoom is found later; lowered: slower. Ours.
-    double ask_again = 0.5;
     /// Of each adjustment that this takes. Lowered: what was bent is not bent back. Ours.
     int max_iterations = 50;
 };

@@ -138,29 +138,28 @@ std::size_t observations_of(const WorkingModel& model) {
     return count;
 }
 
-bool shows_places(const WorkingModel& model, const ClusterProblem& problem,
-                  const SolveOptions& options) {
-    return !separate_places(model.save(), pairs_of(problem), options.places).empty();
+bool shows_places(const WorkingModel& model, const SolveContext& context) {
+    return !separate_places(model.save(), pairs_of(context.problem), context.options.places)
+                .empty();
 }
 
 }  // namespace
 
-Result<LoopClosing> close_loops(WorkingModel& model, const ClusterProblem& problem,
-                                const LocalGraph& graph, const SolveOptions& options,
-                                const std::atomic<bool>* cancel) {
+Result<LoopClosing> close_loops(WorkingModel& model, const SolveContext& context) {
     const LoopClosing nothing;
-    const LoopOptions& loops = options.loops;
-    if (loops.min_open_edges == 0 || model.registered_count() < loops.min_images) return nothing;
-    LoopEdges edges{find_open_edges(model, graph, loops), {}};
+    const LoopOptions& loops = context.options.loops;
+    if (loops.min_open_edges == 0) return nothing;
+    LoopEdges edges{find_open_edges(model, context.graph, loops), {}};
     if (edges.open.size() < loops.min_open_edges) return nothing;
-    edges.holding = find_holding_edges(model, graph, loops);
+    edges.holding = find_holding_edges(model, context.graph, loops);
     auto closing = find_closing(model, edges, /*at_breaks=*/true, loops);
     if (!closing) closing = find_closing(model, edges, /*at_breaks=*/false, loops);
     if (!closing) return nothing;
     WorkingModel trial = model;
     move(trial, closing->model_from_image);
     const auto adjustments =
-        refine_around(trial, closing->strained, 0, problem.fix_intrinsics, options, cancel);
+        refine_around(trial, closing->strained, 0, context.problem.fix_intrinsics, context.options,
+                      context.cancel);
     if (!adjustments.ok()) {
         if (adjustments.error().code == ErrorCode::kCancelled) return adjustments.error();
         return nothing;
@@ -170,8 +169,8 @@ Result<LoopClosing> close_loops(WorkingModel& model, const ClusterProblem& probl
     if (trial.registered_count() < model.registered_count() ||
         after < (1.0 - loops.max_lost_observations) * before)
         return nothing;
-    const bool shows_one_place = !shows_places(trial, problem, options);
-    if (!shows_one_place && !shows_places(model, problem, options)) return nothing;
+    const bool shows_one_place = !shows_places(trial, context);
+    if (!shows_one_place && !shows_places(model, context)) return nothing;
     model = std::move(trial);
     return LoopClosing{*adjustments, shows_one_place};
 }

@@ -6,10 +6,7 @@
 #include <cstdint>
 
 #include "graph/result.h"
-#include "stages/reconstruction/model/cluster_problem.h"
-#include "stages/reconstruction/model/local_graph.h"
-#include "stages/reconstruction/model/solve_options.h"
-#include "stages/reconstruction/model/working_model.h"
+#include "stages/reconstruction/model/solve_context.h"
 
 namespace psfm {
 
@@ -27,10 +24,7 @@ struct LoopClosing {
 /// The model stays as it was when that would tear it, cost observations, or show images of
 /// different places side by side (separate_places): then it is the edges that are wrong; nor does
 /// it change when what has moved cannot be adjusted.
-/// @param cancel  asked before each step of an adjustment; may be null
 /// @errors kCancelled
-Result<LoopClosing> close_loops(WorkingModel& model, const ClusterProblem& problem,
-                                const LocalGraph& graph, const SolveOptions& options,
-                                const std::atomic<bool>* cancel = nullptr);
+Result<LoopClosing> close_loops(WorkingModel& model, const SolveContext& context);
 
 }  // namespace psfm

@@ -11,23 +11,11 @@
 #include "stages/reconstruction/checks/contradiction.h"
 #include "stages/reconstruction/checks/separate_places.h"
 #include "stages/reconstruction/model/local_graph.h"
+#include "stages/reconstruction/model/plan_solve.h"
 #include "stages/reconstruction/model/surroundings.h"
-#include "stages/reconstruction/model/working_model.h"
 
 namespace psfm {
 namespace {
-
-/// Whether the cluster has a large model, and images beside that cannot make it due for an
-/// adjustment of all of it.
-bool is_extension(const ClusterProblem& problem, const SolveOptions& options) {
-    if (options.extend_locally_from == 0 || problem.settle || problem.recycled.empty())
-        return false;
-    const Reconstruction& model = *problem.recycled.front();
-    if (model.images.size() < options.extend_locally_from) return false;
-    const std::uint32_t adjusted = state_of_recycled(problem).images_at_full_adjustment;
-    const double growth = static_cast<double>(problem.images.size()) - adjusted;
-    return growth <= options.eta_grow * adjusted && !places_others_than(model, members_of(problem));
-}
 
 /// Images of the result that the recycled model did not have.
 std::vector<ImageId> added_images(const Reconstruction& before, const Reconstruction& after) {
@@ -44,7 +32,7 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
                                                    const SolveOptions& options,
                                                    const std::atomic<bool>* cancel) {
     const std::optional<SolveAttempt> with_all;
-    if (!is_extension(problem, options)) return with_all;
+    if (places_others_than(*problem.recycled.front(), members_of(problem))) return with_all;
     const auto surroundings = surroundings_of_new_images(problem);
     if (!surroundings) return with_all;
     const ClusterProblem& part = surroundings->problem;
@@ -52,32 +40,34 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
     const auto graph = make_local_graph(part, options);
     if (!graph.ok()) return graph.error();
     const CorrespondenceGraph matches = correspondences_of(part, *graph);
-    WorkingModel model(part, matches);
-    model.use_cameras(graph->cameras);
-    SolveAttempt attempt;
-    attempt.state = state_of_recycled(problem);
+    const SolveContext context{part, *graph, options, cancel};
+    SolveDraft draft = make_draft(context, matches);
+    draft.state = state_of_recycled(problem);
     const auto adjust_joint = [&](const Recycling& recycling) -> Result<bool> {
-        attempt.statistics.local_adjustments +=
-            refine_joined_locally(model, recycling.images, part.fix_intrinsics, options);
+        draft.statistics.local_adjustments +=
+            refine_joined_locally(draft.model, recycling.images, part.fix_intrinsics, options);
         return true;
     };
     const auto grown =
-        join_while_growing(model, load_recycled(model, part, *graph, options), part, *graph,
-                           options, cancel, adjust_joint, attempt.state, attempt.statistics);
+        join_while_growing(draft, load_recycled(draft.model, context), context, adjust_joint);
     if (!grown.ok()) return grown.error();
 
     const Reconstruction& before = *problem.recycled.front();
-    const Reconstruction after = model.save();
+    const Reconstruction after = draft.model.save();
+    SolveAttempt attempt;
+    attempt.state = draft.state;
+    attempt.statistics = draft.statistics;
     attempt.model = put_back(before, *surroundings, after);
     attempt.succession = Succession{problem.recycled.front(), surroundings->is_inside};
-    attempt.contradiction = find_contradiction(model, *graph, options.max_contradiction_deg);
+    attempt.contradiction = find_contradiction(draft.model, *graph, options.max_contradiction_deg);
     if (reason_to_reset(attempt, problem, options)) return with_all;
     attempt.state.has_strangers =
         attempt.state.has_strangers ||
         may_show_another_place(attempt.model, after.points, added_images(before, attempt.model),
                                options.places);
-    if (!attempt.state.has_strangers || was_asked_lately(attempt, options.places))
-        attempt.places.emplace();
+    const std::size_t placed = attempt.model.images.size();
+    const DueQuestions due = plan_solve(problem, attempt.state, placed, options.policy).due;
+    if (!attempt.state.has_strangers || !due.places) attempt.places.emplace();
     attempt.statistics.kind =
         problem.recycled.size() > 1 ? SolveKind::kTransfer : SolveKind::kExtend;
     attempt.statistics.removed_edges = graph->removed_edges;

@@ -19,6 +19,7 @@ namespace psfm {
 /// is left to a solve with all of it: a model that has grown by eta_grow, settling, bad
 /// configurations. A fold that an edge of a new image reveals is seen here as there, since the edge
 /// is; one that only all rotations together reveal is seen when the model has next grown. Ours.
+/// REQUIRES: the problem's plan has SolveScope::kSurroundings
 /// @return nothing when the cluster is to be solved with all of it
 /// @errors kCancelled, those of make_local_graph()
 /// Deterministic. Thread-safe.

@@ -15,26 +15,19 @@ namespace psfm {
 namespace {
 
 /// Takes images out, and adds them again.
-Result<void> replace_images(WorkingModel& model, const std::vector<std::uint32_t>& images,
-                            const ClusterProblem& problem, const SolveOptions& options,
-                            const std::atomic<bool>* cancel, SolveState& state,
-                            SolveStatistics& statistics) {
-    for (const std::uint32_t image : images) model.remove_image(image);
-    return grow_model(model, problem, options, cancel, state, statistics);
+Result<void> replace_images(SolveDraft& draft, const std::vector<std::uint32_t>& images,
+                            const SolveContext& context) {
+    for (const std::uint32_t image : images) draft.model.remove_image(image);
+    return grow_model(draft, context);
 }
 
-/// Moves the smaller parts to where they belong beside the largest, and adds the images that no
-/// part of mu_min holds again.
-/// @return images that were moved or added; none: no part found another place
-Result<std::vector<std::uint32_t>> rejoin_parts(WorkingModel& model, const ClusterProblem& problem,
-                                                const LocalGraph& graph,
-                                                const SolveOptions& options,
-                                                const std::atomic<bool>* cancel, SolveState& state,
-                                                SolveStatistics& statistics) {
+/// Takes all parts of a model out of it but the largest. @param taken_out  their images, ascending
+/// @return those of at least mu_min images
+std::vector<Reconstruction> take_parts_out(WorkingModel& model, const SolveContext& context,
+                                           std::vector<std::uint32_t>& taken_out) {
     const Reconstruction whole = model.save();
-    const auto parts = agreeing_parts(model, graph, options.max_contradiction_deg);
+    const auto parts = agreeing_parts(model, context.graph, context.options.max_contradiction_deg);
     std::vector<Reconstruction> models;
-    std::vector<std::uint32_t> taken_out;
     for (std::size_t p = 1; p < parts.size(); ++p) {
         std::vector<ImageId> ids;
         for (const std::uint32_t image : parts[p]) {
@@ -42,64 +35,72 @@ Result<std::vector<std::uint32_t>> rejoin_parts(WorkingModel& model, const Clust
             model.remove_image(image);
             taken_out.push_back(image);
         }
-        if (ids.size() >= options.mu_min) models.push_back(restricted_to(whole, ids));
+        if (context.options.policy.makes_model(ids.size()))
+            models.push_back(restricted_to(whole, ids));
     }
-    const Recycling joined = join_models(model, std::move(models), problem, graph, options);
+    std::ranges::sort(taken_out);
+    return models;
+}
+
+/// Moves the smaller parts to where they belong beside the largest, and adds the images that no
+/// part of mu_min holds again.
+/// @return images that were moved or added; none: no part found another place
+Result<std::vector<std::uint32_t>> rejoin_parts(SolveDraft& draft, const SolveContext& context) {
+    std::vector<std::uint32_t> taken_out;
+    std::vector<Reconstruction> parts = take_parts_out(draft.model, context, taken_out);
+    const Recycling joined = join_models(draft.model, std::move(parts), context);
     if (joined.joined == 0) return std::vector<std::uint32_t>{};
     const auto adjustments =
-        refine_joined(model, joined.images, joined.joint, problem.fix_intrinsics, options, cancel);
+        refine_joined(draft.model, joined.images, joined.joint, context.problem.fix_intrinsics,
+                      context.options, context.cancel);
     if (!adjustments.ok()) return adjustments.error();
-    statistics.full_adjustments += *adjustments;
-    state.images_at_full_adjustment = model.registered_count();
-    const auto grown = grow_model(model, problem, options, cancel, state, statistics);
-    if (!grown.ok()) return grown.error();
-    std::ranges::sort(taken_out);
+    draft.statistics.full_adjustments += *adjustments;
+    draft.state.images_at_full_adjustment = draft.model.registered_count();
+    if (const auto grown = grow_model(draft, context); !grown.ok()) return grown.error();
     return taken_out;
+}
+
+/// Whether so much of the contradiction is gone that the parts belong where they are now.
+bool is_worth_keeping(const Contradiction& before, const Contradiction& left,
+                      std::size_t placed_before, std::size_t placed) {
+    return 2 * left.beyond <= before.beyond && placed >= placed_before - placed_before / 20;
 }
 
 }  // namespace
 
-Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
-                        const SolveOptions& options, const std::atomic<bool>* cancel,
-                        SolveState& state, SolveStatistics& statistics) {
-    const double max_deg = options.max_contradiction_deg;
-    const Contradiction before = find_contradiction(model, graph, max_deg);
-    const std::uint32_t placed_before = model.registered_count();
-    auto images = contradicting_images(model, graph, max_deg);
+Result<void> mend_model(SolveDraft& draft, const SolveContext& context) {
+    const double max_deg = context.options.max_contradiction_deg;
+    const Contradiction before = find_contradiction(draft.model, context.graph, max_deg);
+    const std::uint32_t placed_before = draft.model.registered_count();
+    auto images = contradicting_images(draft.model, context.graph, max_deg);
     const bool few = static_cast<double>(images.size()) <=
-                     options.max_reset_images * static_cast<double>(placed_before);
+                     context.options.max_reset_images * static_cast<double>(placed_before);
     if (few) {
-        const auto done =
-            replace_images(model, images, problem, options, cancel, state, statistics);
+        const auto done = replace_images(draft, images, context);
         if (!done.ok()) return done.error();
-    } else if (placed_before >= options.rejoin_from_images) {
-        WorkingModel trial = model;
-        SolveState trial_state = state;
-        SolveStatistics trial_statistics = statistics;
-        auto moved =
-            rejoin_parts(trial, problem, graph, options, cancel, trial_state, trial_statistics);
+    } else if (context.options.policy.is_large(placed_before)) {
+        SolveDraft trial = draft;
+        auto moved = rejoin_parts(trial, context);
         // Else the cluster is solved new.
         if (!moved.ok())
             return moved.error().code == ErrorCode::kCancelled ? moved.error() : Result<void>();
-        const Contradiction left = find_contradiction(trial, graph, max_deg);
-        if (moved->empty() || 2 * left.beyond > before.beyond ||
-            trial.registered_count() < placed_before - placed_before / 20)
+        const Contradiction left = find_contradiction(trial.model, context.graph, max_deg);
+        if (moved->empty() ||
+            !is_worth_keeping(before, left, placed_before, trial.model.registered_count()))
             return {};
-        model = std::move(trial);
-        state = trial_state;
-        statistics = trial_statistics;
+        draft = std::move(trial);
         images = *std::move(moved);
     } else {
         return {};
     }
-    const Contradiction after = find_contradiction(model, graph, max_deg);
-    if (after.beyond > options.max_contradicting_edges * after.edges) return {};
+    const Contradiction after = find_contradiction(draft.model, context.graph, max_deg);
+    if (after.beyond > context.options.max_contradicting_edges * after.edges) return {};
     Reset reset{Reset::Reason::kContradiction, before, placed_before};
-    for (const std::uint32_t image : images) reset.images.push_back(model.image_id(image));
-    statistics.reset = std::move(reset);
-    state.tolerated_contradiction_deg = after.angle_deg;
-    state.images_at_contradiction = model.registered_count();
-    state.new_start_is_due = false;
+    for (const std::uint32_t image : images) reset.images.push_back(draft.model.image_id(image));
+    draft.statistics.reset = std::move(reset);
+    draft.state.tolerated_contradiction_deg = after.angle_deg;
+    draft.state.images_at_contradiction = draft.model.registered_count();
+    draft.state.new_start_is_due = false;
     return {};
 }
 

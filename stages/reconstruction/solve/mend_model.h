@@ -2,12 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
-
-#include "stages/reconstruction/model/cluster_problem.h"
-#include "stages/reconstruction/model/local_graph.h"
-#include "stages/reconstruction/model/solve_options.h"
-#include "stages/reconstruction/model/working_model.h"
+#include "stages/reconstruction/model/solve_context.h"
 
 namespace psfm {
 
@@ -16,11 +11,9 @@ namespace psfm {
 /// that more of the scene is known than when they were placed. When they are many, and the model
 /// large, its parts that agree within themselves are joined again as the edges between them say
 /// now; that is kept when at least half of the contradiction goes, and hardly an image.
-/// Sets statistics.reset, and notes in `state` what contradiction is left. When that is too much,
-/// the model stays a bad configuration.
+/// Sets the draft's statistics.reset, and notes in its state what contradiction is left. When that
+/// is too much, the model stays a bad configuration.
 /// @errors those of grow_model and refine_model
-Result<void> mend_model(WorkingModel& model, const ClusterProblem& problem, const LocalGraph& graph,
-                        const SolveOptions& options, const std::atomic<bool>* cancel,
-                        SolveState& state, SolveStatistics& statistics);
+Result<void> mend_model(SolveDraft& draft, const SolveContext& context);
 
 }  // namespace psfm

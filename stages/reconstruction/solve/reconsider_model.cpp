@@ -11,6 +11,7 @@
 
 #include "stages/algorithms/math/maximum_spanning_tree.h"
 #include "stages/reconstruction/checks/judged_model.h"
+#include "stages/reconstruction/model/plan_solve.h"
 
 namespace psfm {
 namespace {
@@ -124,7 +125,8 @@ std::vector<std::vector<ImageId>> split(const Judged& judged, const SolveOptions
     const Cut* best = nullptr;
     const std::vector<Cut> cuts = cuts_of(judged, doubt);
     for (const Cut& cut : cuts) {
-        if (cut.images < options.mu_min || cut.contradicting < doubt.min_split_pairs) continue;
+        if (!options.policy.makes_model(cut.images) || cut.contradicting < doubt.min_split_pairs)
+            continue;
         if (cut.missing_part() < doubt.min_split_part) continue;
         if (best == nullptr || cut.missing_part() > best->missing_part()) best = &cut;
     }
@@ -195,9 +197,10 @@ std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem) {
 
 Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttempt attempt,
                                       const SolveOptions& options, const AttemptSolve& solve) {
+    const DueQuestions due =
+        plan_solve(problem, attempt.state, attempt.model.images.size(), options.policy).due;
+    if (attempt.model.empty() || !due.others) return attempt;
     const auto images = static_cast<std::uint32_t>(problem.images.size());
-    const bool is_known = attempt.state.images_when_reconsidered == images;
-    if (attempt.model.empty() || images > options.doubt.max_images || is_known) return attempt;
     const auto before = static_cast<std::uint32_t>(attempt.model.images.size());
     const SolveKind kind = attempt.statistics.kind;
     Step step{judge(std::move(attempt), problem, options), std::nullopt};

@@ -10,9 +10,21 @@
 
 namespace psfm {
 
-/// Reconstructs one cluster (paper sec. "Cluster Reconstruction"): a new model, incrementally, or
-/// the recycled one extended. A cluster below mu_min, or one that no pair can start, has an empty
-/// model and the reason for each image.
+/// Reconstructs one cluster (paper sec. "Cluster Reconstruction"). In this order:
+/// 1. The cameras that may be one are tied, or not (solve_with_ties.h).
+/// 2. What is to be done is planned (plan_solve.h). New images of a large model are added by their
+///    surroundings alone (extend_locally.h); where that will not do:
+/// 3. Rotations are averaged, and edges that contradict them dropped (local_graph.h).
+/// 4. New (solve_new.h), or Extend and Transfer (solve_recycled.h): the models that are there are
+///    joined, images added, bad configurations mended, loops closed, all adjusted where it settles.
+/// 5. A bad configuration that is left, or a model that leaves much of the cluster out, is compared
+///    with a new start (judge_model.h).
+/// 6. The ties of cameras are judged; those that do not hold are cut, and 2 to 5 done again.
+/// 7. Once no photograph follows, a doubtful model is compared with others (reconsider_model.h).
+/// 8. A model of invented depth is given up, a weak one says so (assess_model.h).
+/// 9. It is asked whether the model shows several places (separate_places.h).
+/// A cluster below mu_min, or one that no pair can start, has an empty model and the reason for
+/// each image.
 /// @param cancel  when it becomes true the solve ends soon with kCancelled; may be null
 /// @errors kInvalidArgument (problem or options violate their invariants), kCancelled, kInternal (a
 /// library's exception) Deterministic: bitwise equal for equal problems and options. Thread-safe.

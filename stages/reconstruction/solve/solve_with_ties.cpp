@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stages/reconstruction/checks/judge_ties.h"
+#include "stages/reconstruction/model/plan_solve.h"
 
 namespace psfm {
 namespace {
@@ -17,11 +18,10 @@ bool shows_places(const SolveAttempt& attempt) {
     return attempt.places && !attempt.places->empty();
 }
 
-bool is_due(const SolveAttempt& attempt, const ClusterProblem& problem, const TieOptions& options) {
+bool is_due(const SolveAttempt& attempt, const ClusterProblem& problem, const SolvePolicy& policy) {
     const std::size_t placed = attempt.model.images.size();
     if (placed < kImagesToJudge || shows_places(attempt)) return false;
-    const double asked = attempt.state.images_at_ties;
-    return problem.settle || static_cast<double>(placed) > (1.0 + options.ask_again) * asked;
+    return plan_solve(problem, attempt.state, placed, policy).due.ties;
 }
 
 /// Solves on from a model whose ties have changed.
@@ -85,7 +85,7 @@ Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveO
             ties = untied(problem);
         }
     }
-    if (!is_due(*attempt, problem, options.ties)) return attempt;
+    if (!is_due(*attempt, problem, options.policy)) return attempt;
     return settle_ties(*std::move(attempt), std::move(ties), problem, options, attempt_solve);
 }
 

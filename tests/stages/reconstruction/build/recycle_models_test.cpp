@@ -87,7 +87,7 @@ TEST(RecycleModels, JoinsASmallModelByALocalAdjustment) {
     const ModelPtr base = model_of(scene, range(0, 13), 61);
     const ModelPtr small = model_of(scene, range(13, kImages), 62);
     SolveOptions options;
-    options.eta_grow = 0.5;
+    options.policy.full_adjustment.again_when_grown_by = 0.5;
     const auto solution = solve_cluster(ring_problem(scene, {base, small}), options);
     ASSERT_TRUE(solution.ok()) << solution.error().message;
     EXPECT_EQ(solution->statistics.kind, SolveKind::kTransfer);
@@ -98,7 +98,7 @@ TEST(RecycleModels, JoinsASmallModelByALocalAdjustment) {
     EXPECT_EQ(solution->model->images.size(), kImages);
     EXPECT_LT(max_position_error(*solution, scene), 0.03);
     EXPECT_GT(points_across(*solution->model, ImageId{13}), 50U);
-    options.eta_grow = 0.15;
+    options.policy.full_adjustment.again_when_grown_by = 0.15;
     const auto whole = solve_cluster(ring_problem(scene, {base, small}), options);
     EXPECT_GT(whole->statistics.full_adjustments, 0U);
     // What both models had is one point in either case.
@@ -189,7 +189,8 @@ TEST(RecycleModels, ResetsAModelThatContradictsTheRotations) {
 TEST(RecycleModels, PutsOffTheResetOfALargeModelUntilItSettles) {
     const SyntheticScene scene = noisy_ring(4);
     SolveOptions options;
-    options.adjust_all_up_to = kImages - 1;
+    options.policy.affordable_up_to = kImages - 1;
+    options.loops.min_open_edges = 0;         // else it is closed
     options.max_contradicting_edges = 1.0;  // of so few edges many contradict
     ClusterProblem problem = ring_problem(scene, {folded_model(scene)});
     const auto before = solve_cluster(problem, options);
@@ -228,7 +229,7 @@ TEST(RecycleModels, JoinsModelsThatShareImages) {
 TEST(RecycleModels, JoinsThePartsOfALargeFoldedModelAgain) {
     const SyntheticScene scene = noisy_ring(4);
     SolveOptions options;
-    options.rejoin_from_images = kImages;
+    options.policy.large_from = kImages;
     const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), options);
     ASSERT_TRUE(solution.ok());
     ASSERT_TRUE(solution->statistics.reset);
@@ -246,12 +247,12 @@ TEST(RecycleModels, JoinsThePartsOfALargeFoldedModelAgain) {
 TEST(RecycleModels, LargeFoldedModelsAreAdjustedRoughlyWhenTheyAreJoinedAgain) {
     const SyntheticScene scene = noisy_ring(4);
     SolveOptions options;
-    options.rejoin_from_images = kImages;
+    options.policy.large_from = kImages;
     options.growth.max_rounds = 3;
     options.growth.max_change = 0.0;
     for (const auto& [adjust_all_up_to, adjustments] :
          {std::pair(kImages, 3U), std::pair(kImages - 1, 1U)}) {
-        options.adjust_all_up_to = adjust_all_up_to;
+        options.policy.affordable_up_to = adjust_all_up_to;
         const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), options);
         ASSERT_TRUE(solution.ok());
         ASSERT_TRUE(solution->statistics.reset);
@@ -264,7 +265,7 @@ TEST(RecycleModels, LargeFoldedModelsAreAdjustedRoughlyWhenTheyAreJoinedAgain) {
 TEST(RecycleModels, PartsThatNothingJoinsAreSolvedNew) {
     const SyntheticScene scene = noisy_ring(4);
     SolveOptions options;
-    options.rejoin_from_images = kImages;
+    options.policy.large_from = kImages;
     options.transfer.min_edge_inliers = 1000000;
     const auto solution = solve_cluster(ring_problem(scene, {folded_model(scene)}), options);
     ASSERT_TRUE(solution.ok());

@@ -112,7 +112,7 @@ TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
     std::vector<std::uint32_t> joined;
     for (std::uint32_t image = 28; image < kImages; ++image) joined.push_back(image);
     SolveOptions options;
-    options.adjust_all_up_to = 30;
+    options.policy.affordable_up_to = 30;
     options.images_around_joint = 0;
     const std::vector<std::uint32_t> joint{26, 27, 28, 29};
     ASSERT_TRUE(refine_joined(*wall.model, joined, joint, true, options).ok());
@@ -129,7 +129,7 @@ TEST(RefineGrown, TakesFewStepsForWhatIsLargerThanConvergeUpTo) {
     const std::vector<std::uint32_t> images{20, 21};
     for (const auto& [converge_up_to, rounds] :
          {std::pair(kImages, 3U), std::pair(kImages - 1, 1U)}) {
-        options.converge_up_to = converge_up_to;
+        options.policy.converge_up_to = converge_up_to;
         const SceneModel wall(noisy_wall(3));
         wall.disturb(0.005, 4);
         const auto before = poses_of(*wall.model);
@@ -150,7 +150,7 @@ TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
     const std::vector<std::uint32_t> images{20, 21};
     for (const std::uint32_t adjust_all_up_to : {kImages, kImages - 1}) {
         SolveOptions options;
-        options.adjust_all_up_to = adjust_all_up_to;
+        options.policy.affordable_up_to = adjust_all_up_to;
         for (const auto& done : {refine_model(*wall.model, true, options.growth, options, &cancel),
                                  refine_around(*wall.model, images, 0, true, options, &cancel),
                                  refine_joined(*wall.model, images, images, true, options, &cancel),
@@ -163,14 +163,14 @@ TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
 
 TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
     SolveOptions options;
-    options.adjust_all_up_to = kImages;
+    options.policy.affordable_up_to = kImages;
     const SceneModel small(noisy_wall(3));
     small.disturb(0.005, 4);
     auto before = poses_of(*small.model);
     ASSERT_TRUE(refine_grown(*small.model, 4, true, options).ok());
     EXPECT_GE(moved_images(before, *small.model).size(), kImages - 1);
 
-    options.adjust_all_up_to = kImages - 1;
+    options.policy.affordable_up_to = kImages - 1;
     const SceneModel large(noisy_wall(3));
     large.disturb(0.005, 4);
     before = poses_of(*large.model);
@@ -244,7 +244,7 @@ TEST(SolveCluster, AdjustsLargeModelsAroundTheirJoint) {
     problem.recycled = {base, model_of(22, kImages, 2)};
     problem.recycled_state.images_at_full_adjustment = 22;
     SolveOptions options;
-    options.adjust_all_up_to = 30;
+    options.policy.affordable_up_to = 30;
     options.images_around_joint = 10;
     const auto solution = solve_cluster(problem, options);
     ASSERT_TRUE(solution.ok());

@@ -59,7 +59,7 @@ TEST(ReasonToReset, IsWhatWasPutOffOnceTheModelSettles) {
 TEST(IsPutOff, OfALargeModelThatHardlyContradicts) {
     constexpr auto kReason = Reset::Reason::kContradiction;
     SolveOptions options;
-    options.adjust_all_up_to = 20;
+    options.policy.affordable_up_to = 20;
     const SolveAttempt attempt = attempt_of(20, 100, 2);
     EXPECT_TRUE(is_put_off(attempt, cluster_of(21), kReason, options));
     EXPECT_FALSE(is_put_off(attempt, cluster_of(20), kReason, options)) << "started soon enough";

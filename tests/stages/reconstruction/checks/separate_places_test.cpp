@@ -49,15 +49,6 @@ TEST(SeparatePlaces, StreetsThatOneFacadeFoldsAreTwo) {
     }
 }
 
-TEST(SeparatePlaces, OfALargeModelOnlyWhatIsInDoubtIsCountedWhole) {
-    for (const double copied : {0.2, 0.4, 0.6}) {
-        const SyntheticScene scene = two_streets(kImages, copied, 2);
-        PlaceOptions options;
-        options.ask_at_once_up_to = kImages - 1;
-        EXPECT_EQ(places_of(scene, options), (Places{every_second(0), every_second(1)})) << copied;
-    }
-}
-
 TEST(SeparatePlaces, WhatWasCopiedWholeIsNotSeen) {
     const SyntheticScene scene = two_streets(kImages, 1.2, 2);
     EXPECT_TRUE(places_of(scene).empty()) << "every image has a part of what it should share";

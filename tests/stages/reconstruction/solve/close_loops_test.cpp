@@ -82,11 +82,11 @@ class CloseLoops : public ::testing::Test {
         matches_ = std::make_unique<CorrespondenceGraph>(correspondences_of(problem_, *graph_));
         model_ = std::make_unique<WorkingModel>(problem_, *matches_);
         model_->load(*start_);
-        options_.loops.min_images = 20;
+        options_.policy.affordable_up_to = 19;
     }
 
     std::uint32_t close() {
-        const auto closing = close_loops(*model_, problem_, *graph_, options_);
+        const auto closing = close_loops(*model_, {problem_, *graph_, options_});
         EXPECT_TRUE(closing.ok());
         if (!closing.ok()) return 0;
         EXPECT_EQ(closing->shows_one_place, closing->adjustments > 0);
@@ -162,12 +162,6 @@ TEST_F(CloseLoops, ThePaperNeverDoes) {
     EXPECT_EQ(close(), 0U);
 }
 
-TEST_F(CloseLoops, SmallModelsAreAdjustedInstead) {
-    make(0.3, 1.0);
-    options_.loops.min_images = kImages + 1;
-    EXPECT_EQ(close(), 0U);
-}
-
 TEST_F(CloseLoops, BelongsToSettling) {
     make(0.1, 2.0);  // turned by less than what counts as a contradiction
     ASSERT_GE(open_edges(), options_.loops.min_open_edges);
@@ -179,6 +173,12 @@ TEST_F(CloseLoops, BelongsToSettling) {
     EXPECT_EQ(solution->statistics.closed_loops, 1U);
     EXPECT_EQ(solution->model->images.size(), kImages);
 
+    options_.policy.affordable_up_to = kImages;
+    const auto adjusted = solve_cluster(problem_, options_);
+    ASSERT_TRUE(adjusted.ok());
+    EXPECT_EQ(adjusted->statistics.closed_loops, 0U) << "small models are adjusted instead";
+
+    options_.policy.affordable_up_to = 19;
     options_.loops.min_open_edges = 0;
     const auto without = solve_cluster(problem_, options_);
     ASSERT_TRUE(without.ok());
@@ -189,7 +189,7 @@ TEST_F(CloseLoops, WhatCannotBeAdjustedInTimeIsLeftAsItWas) {
     make(0.3, 1.0);
     const double before = error();
     const std::atomic<bool> cancel{true};
-    const auto closed = close_loops(*model_, problem_, *graph_, options_, &cancel);
+    const auto closed = close_loops(*model_, {problem_, *graph_, options_, &cancel});
     ASSERT_FALSE(closed.ok());
     EXPECT_EQ(closed.error().code, ErrorCode::kCancelled);
     EXPECT_EQ(error(), before);

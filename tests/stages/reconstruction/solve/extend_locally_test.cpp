@@ -46,12 +46,13 @@ ClusterProblem problem_without(const SyntheticScene& scene, const std::vector<Im
 
 SolveOptions locally_from(std::uint32_t images) {
     SolveOptions options;
-    options.extend_locally_from = images;
+    options.policy.large_from = images;
     return options;
 }
 
 /// REQUIRES: the solve succeeds
 std::optional<SolveAttempt> extended(const ClusterProblem& problem, const SolveOptions& options) {
+    if (plan_solve(problem, options.policy).scope != SolveScope::kSurroundings) return std::nullopt;
     auto attempt = extend_locally(problem, options, nullptr);
     EXPECT_TRUE(attempt.ok());
     return attempt.ok() ? *std::move(attempt) : std::nullopt;
@@ -116,7 +117,7 @@ TEST(ExtendLocally, AddsAnImageAsASolveOfAllWould) {
     EXPECT_EQ(local->statistics.kind, SolveKind::kExtend);
     ASSERT_TRUE(local->places) << "its images stand beside no strangers";
     EXPECT_TRUE(local->places->empty());
-    const auto whole = solve_cluster(problem, locally_from(0));
+    const auto whole = solve_cluster(problem, SolveOptions{});
     ASSERT_TRUE(whole.ok());
     ASSERT_EQ(local->model.images.size(), whole->model->images.size());
     // The same operations on the same observations; only the order of points differs.
@@ -193,7 +194,7 @@ TEST(ExtendLocally, TellsWhatOfTheModelIsAsItWas) {
     for (const RegisteredImage& image : problem.recycled.front()->images)
         EXPECT_NE(solution->model->find(image.image), nullptr);
 
-    const auto of_all = solve_cluster(problem, locally_from(0));
+    const auto of_all = solve_cluster(problem, SolveOptions{});
     ASSERT_TRUE(of_all.ok());
     EXPECT_FALSE(of_all->succession) << "all of it may have moved";
 }
@@ -247,7 +248,7 @@ TEST(ExtendLocally, JoinsAModelWithoutCommonPointsOnceSomeOfItsImagesAreThere) {
         synthetic::true_reconstruction(scene, synthetic::random_gauge(6), second),
         pairs_of(problem)));
     SolveOptions options = locally_from(10);
-    options.eta_grow = 1.0;
+    options.policy.full_adjustment.again_when_grown_by = 1.0;
     const auto local = extended(problem, options);
     ASSERT_TRUE(local);
     EXPECT_EQ(local->statistics.joined_models, 1U);
@@ -263,7 +264,7 @@ TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
     const SyntheticScene scene = noisy_wall(5);
     const ClusterProblem problem = problem_without(scene, {kNew});
     ASSERT_TRUE(extended(problem, locally_from(20)));
-    EXPECT_FALSE(extended(problem, locally_from(0))) << "switched off";
+    EXPECT_FALSE(extended(problem, SolveOptions{})) << "not a large model";
     EXPECT_FALSE(extended(problem, locally_from(kImages))) << "a small model";
     ClusterProblem settling = problem;
     settling.settle = true;
@@ -275,10 +276,10 @@ TEST(ExtendLocally, LeavesWhatConcernsAllToASolveOfAll) {
     ClusterProblem split =
         problem_without(scene, {kNew, ImageId{11}, ImageId{12}, ImageId{13}, ImageId{15}});
     SolveOptions options = locally_from(20);
-    options.eta_grow = 0.1;
+    options.policy.full_adjustment.again_when_grown_by = 0.1;
     split.recycled_state.images_at_full_adjustment = 60;
     EXPECT_FALSE(extended(split, options)) << "images that have left do not stand in for others";
-    options.eta_grow = 0.3;
+    options.policy.full_adjustment.again_when_grown_by = 0.3;
     const auto extension = extended(split, options);
     ASSERT_TRUE(extension);
     EXPECT_EQ(extension->state.images_at_full_adjustment, 25U);
@@ -332,8 +333,8 @@ TEST(ExtendLocally, AsksALargeModelOfPlacesOnlyWhenItHasChanged) {
     const auto asks = [&](std::uint32_t asked_with, std::uint32_t at_once_up_to) {
         problem.recycled_state.images_at_places = asked_with;
         SolveOptions options = locally_from(20);
-        options.places.ask_at_once_up_to = at_once_up_to;
-        options.places.ask_again = 0.1;
+        options.policy.places.whole_up_to = at_once_up_to;
+        options.policy.places.again_when_grown_by = 0.1;
         const auto attempt = extended(problem, options);
         EXPECT_TRUE(attempt && attempt->state.has_strangers) << "not forgotten before it is asked";
         return attempt && !attempt->places;
@@ -354,18 +355,18 @@ TEST(ExtendLocally, AsksALargeModelOfPlacesOnlyWhenItHasChanged) {
 TEST(ExtendLocally, RemembersStrangersBesideALargeModelsNewImage) {
     const SyntheticScene folded = two_streets(kImages, 0.4, 7);
     SolveOptions options = locally_from(20);
-    options.places.ask_at_once_up_to = 10;
+    options.policy.places.whole_up_to = 10;
     std::uint32_t extensions = 0;
     std::uint32_t strangers = 0;
     for (std::uint32_t i = 0; i < kImages; ++i) {
         ClusterProblem problem = problem_without(folded, {ImageId{i}});
         problem.recycled_state.images_at_places = kImages - 1;
-        options.places.ask_again = 1.0;
+        options.policy.places.again_when_grown_by = 1.0;
         const auto later = extended(problem, options);
         if (!later) continue;
         ++extensions;
         ASSERT_TRUE(later->places) << "not asked before it has doubled";
-        options.places.ask_again = 0.0;
+        options.policy.places.again_when_grown_by = 0.0;
         const auto now = extended(problem, options);
         EXPECT_EQ(!now->places, later->state.has_strangers);
         if (later->state.has_strangers) ++strangers;

@@ -200,9 +200,8 @@ TEST(SolveCluster, AsksALargeModelThatHardlyChangedOnlyLaterOrWhenItSettles) {
         synthetic::true_reconstruction(scene, synthetic::random_gauge(5), kept))};
     problem.recycled_state = {.images_at_full_adjustment = kImages, .images_at_start = kImages};
     SolveOptions options;
-    options.extend_locally_from = 0;
-    options.places.ask_at_once_up_to = 20;
-    options.places.ask_again = 0.1;
+    options.policy.places.whole_up_to = 20;
+    options.policy.places.again_when_grown_by = 0.1;
     const auto solve = [&](std::uint32_t asked_with) {
         problem.recycled_state.images_at_places = asked_with;
         auto solved = solve_cluster(problem, options);
@@ -216,9 +215,9 @@ TEST(SolveCluster, AsksALargeModelThatHardlyChangedOnlyLaterOrWhenItSettles) {
     EXPECT_EQ(later.state.images_at_places, kImages - 1);
     EXPECT_EQ(solve(kImages / 2).places.size(), 2U) << "it has changed";
     EXPECT_EQ(solve(0).places.size(), 2U) << "never asked";
-    options.places.ask_at_once_up_to = kImages;
+    options.policy.places.whole_up_to = kImages;
     EXPECT_EQ(solve(kImages - 1).places.size(), 2U) << "a small model";
-    options.places.ask_at_once_up_to = 20;
+    options.policy.places.whole_up_to = 20;
     problem.settle = true;
     EXPECT_EQ(solve(kImages - 1).places.size(), 2U) << "it settles";
 }

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+
+#include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/local_graph.h"
+#include "stages/reconstruction/model/solve_options.h"
+#include "stages/reconstruction/model/working_model.h"
+
+namespace psfm {
+
+/// What the steps of one solve read.
+struct SolveContext {
+    const ClusterProblem& problem;
+    const LocalGraph& graph;
+    const SolveOptions& options;
+    const std::atomic<bool>* cancel = nullptr;  ///< as solve_cluster's
+};
+
+/// What they write: a model in work, what the next solve is to know of it, and what was done.
+struct SolveDraft {
+    WorkingModel model;
+    SolveState state = {};
+    SolveStatistics statistics = {};
+};
+
+/// Nothing registered yet, intrinsics as in the graph. @param matches  outlive the draft
+inline SolveDraft make_draft(const SolveContext& context, const CorrespondenceGraph& matches) {
+    SolveDraft draft{WorkingModel(context.problem, matches)};
+    draft.model.use_cameras(context.graph.cameras);
+    return draft;
+}
+
+}  // namespace psfm

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/reconstruction/solve/solve_new.h"
+
+#include <utility>
+#include <vector>
+
+#include "stages/reconstruction/build/grow_model.h"
+#include "stages/reconstruction/build/initialize_model.h"
+#include "stages/reconstruction/build/refine_model.h"
+#include "stages/reconstruction/build/solve_global.h"
+#include "stages/reconstruction/solve/finish_attempt.h"
+
+namespace psfm {
+namespace {
+
+bool is_cancelled(const Error& error) {
+    return error.code == ErrorCode::kCancelled;
+}
+
+/// All images at once, the rest added.
+Result<SolveAttempt> solve_globally(const SolveContext& context,
+                                    const CorrespondenceGraph& matches) {
+    SolveDraft draft = make_draft(context, matches);
+    const auto start = initialize_globally(draft.model, context.problem, context.graph,
+                                           context.options, context.cancel);
+    if (!start.ok()) return start.error();
+    draft.statistics.is_global = true;
+    draft.statistics.registered = start->placed;
+    draft.statistics.full_adjustments = start->full_adjustments;
+    draft.state.images_at_full_adjustment = start->placed;
+    if (const auto grown = grow_model(draft, context); !grown.ok()) return grown.error();
+    if (draft.model.registered_count() > start->placed) {
+        const auto adjustments = refine_changed_model(draft.model, context.problem.fix_intrinsics,
+                                                      context.options, context.cancel);
+        if (!adjustments.ok()) return adjustments.error();
+        note_adjusted(draft, *adjustments);
+    }
+    return finish_attempt(draft, context);
+}
+
+/// A model of more images than the best so far is adjusted to convergence, and takes its place.
+/// @errors kCancelled
+Result<void> take_if_larger(SolveDraft& draft, const SolveContext& context, SolveAttempt& best) {
+    if (draft.model.registered_count() <= best.model.images.size()) return {};
+    const auto adjustments =
+        refine_model(draft.model, context.problem.fix_intrinsics, context.options.settling,
+                     context.options, context.cancel);
+    if (!adjustments.ok())
+        return is_cancelled(adjustments.error()) ? adjustments.error() : Result<void>();
+    note_adjusted(draft, *adjustments);
+    best = finish_attempt(draft, context);
+    return {};
+}
+
+/// From the best pair.
+Result<SolveAttempt> solve_incrementally(const SolveContext& context,
+                                         const CorrespondenceGraph& matches) {
+    constexpr int kStarts = 3;
+    const std::size_t members = context.problem.images.size();
+    SolveAttempt best;
+    std::vector<bool> used(members, false);
+    for (int start = 0; start < kStarts; ++start) {
+        SolveDraft draft = make_draft(context, matches);
+        const auto seed = initialize_model(draft.model, context.graph, used, context.options);
+        if (!seed.ok()) break;
+        draft.state.images_at_full_adjustment = draft.model.registered_count();
+        draft.statistics.registered = draft.model.registered_count();
+        const auto grown = grow_model(draft, context);
+        if (!grown.ok() && is_cancelled(grown.error())) return grown.error();
+        if (grown.ok()) {
+            const auto taken = take_if_larger(draft, context, best);
+            if (!taken.ok()) return taken.error();
+        }
+        if (2 * best.model.images.size() > members) break;
+        used[seed->first] = used[seed->second] = true;
+        for (std::uint32_t image = 0; image < draft.model.image_count(); ++image) {
+            if (draft.model.registered(image)) used[image] = true;
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+Result<SolveAttempt> solve_new(SolveStart start, const SolveContext& context,
+                               const CorrespondenceGraph& matches) {
+    if (start == SolveStart::kGlobal) {
+        auto attempt = solve_globally(context, matches);
+        // What could not be started globally may still be grown.
+        if (attempt.ok() || is_cancelled(attempt.error())) return attempt;
+    }
+    return solve_incrementally(context, matches);
+}
+
+}  // namespace psfm
