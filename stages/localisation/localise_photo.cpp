@@ -90,7 +90,7 @@ Sighting sighting_of(const LocalisationMap& map, const ExtractedPhoto& photo,
 
 /// Images that show what an image shows: their points are among its own.
 bool share_points(const std::vector<Correspondence>& a, const std::vector<Correspondence>& b) {
-    constexpr std::size_t kShared = 5;
+    constexpr std::size_t kShared = 5;  // Tunable: ours, without a figure
     std::set<std::uint32_t> points;
     for (const Correspondence& item : a) points.insert(item.point);
     std::size_t shared = 0;
@@ -117,7 +117,7 @@ std::vector<std::pair<std::uint32_t, std::vector<const std::vector<Correspondenc
     for (auto& [part, lists] : parts) sets.emplace_back(part, lists);
     std::ranges::stable_sort(ordered, std::ranges::greater{},
                              [](const auto& entry) { return entry.second->size(); });
-    constexpr std::size_t kSurroundings = 5;
+    constexpr std::size_t kSurroundings = 5;  // Tunable: ours; each costs a pose
     for (std::size_t k = 0; k < std::min(kSurroundings, ordered.size()); ++k) {
         const std::uint32_t part = map.places().at(ordered[k].first).part;
         std::vector<const std::vector<Correspondence>*> lists{ordered[k].second};

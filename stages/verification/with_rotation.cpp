@@ -18,8 +18,9 @@ namespace {
 /// matches let go of it. Length 1; the sign is that of chance.
 Eigen::Vector3d direction_for(std::span<const PointPair> points,
                               const Eigen::Quaterniond& rotation) {
-    constexpr int kRounds = 10;
-    constexpr double kScale = 0.01;  // of a sine: a degree and a half, wider than any match is off
+    constexpr int kRounds = 10;  // Guard: ends the reweighting
+    // Tunable: of a sine: a degree and a half, wider than any match is off.
+    constexpr double kScale = 0.01;
     std::vector<Eigen::Vector3d> normals;
     normals.reserve(points.size());
     for (const PointPair& p : points) {

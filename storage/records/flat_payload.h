@@ -29,6 +29,7 @@ class FlatPayload {
     template <typename Table>
     const Table* root() const {
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(words_.data());
+        // Guard: bounds what a damaged record may cost; no schema nests nearly so deep.
         constexpr flatbuffers::uoffset_t kMaxDepth = 16;
         constexpr flatbuffers::uoffset_t kMaxTables = 50'000'000;
         if (size_ >= FLATBUFFERS_MAX_BUFFER_SIZE) return nullptr;

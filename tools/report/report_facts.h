@@ -43,7 +43,7 @@ struct ResidualCell {
 
 /// One physical camera, as its photographs said and as clusters have found it.
 struct CameraFacts {
-    static constexpr int kColumns = 12, kRows = 9;
+    static constexpr int kColumns = 12, kRows = 9;  // Format: cells of a map of residuals
     CameraId id{};
     Camera before;
     std::vector<std::pair<ClusterId, Camera>> after;
@@ -75,6 +75,7 @@ struct ReportFacts {
     double circular_90_m = 0.0;              ///< 90 % of the positions are no farther off
     std::size_t positions = 0;
 
+    /// Format: of the histogram of errors.
     static constexpr double kErrorStepPx = 0.1;
     static constexpr std::size_t kErrorBins = 40;
 };

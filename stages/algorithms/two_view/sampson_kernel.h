@@ -8,7 +8,8 @@
 
 namespace psfm {
 
-/// Squared gradient below which a correspondence says nothing: both points are on the epipoles.
+/// Guard: squared gradient below which a correspondence says nothing: both points are on the
+/// epipoles.
 inline constexpr double kTinySampsonGradient = 1e-30;
 
 /// Sums over correspondences that make up a SampsonSystem.

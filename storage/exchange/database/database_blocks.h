@@ -24,7 +24,8 @@
 
 namespace psfm::colmap {
 
-/// Image ids are below this: a pair's key is first * kMaxImages + second with first < second.
+/// Format: COLMAP's image ids are below this: a pair's key is first * kMaxImages + second with
+/// first < second.
 inline constexpr std::int64_t kMaxImages = 2147483647;
 
 /// Persistent numbers of two_view_geometries.config (COLMAP's TwoViewGeometry).
