@@ -75,9 +75,8 @@ struct ReportFacts {
     double circular_90_m = 0.0;              ///< 90 % of the positions are no farther off
     std::size_t positions = 0;
 
-    /// Format: of the histogram of errors.
-    static constexpr double kErrorStepPx = 0.1;
-    static constexpr std::size_t kErrorBins = 40;
+    static constexpr double kErrorStepPx = 0.1;    // Format: of the histogram
+    static constexpr std::size_t kErrorBins = 40;  // Format: of the histogram
 };
 
 /// @param reference  where on the earth the version stands, if anywhere

@@ -8,9 +8,8 @@
 
 namespace psfm {
 
-/// Guard: squared gradient below which a correspondence says nothing: both points are on the
-/// epipoles.
-inline constexpr double kTinySampsonGradient = 1e-30;
+/// Squared gradient below which a correspondence says nothing: both points are on the epipoles.
+inline constexpr double kTinySampsonGradient = 1e-30;  // Guard: it is divided by
 
 /// Sums over correspondences that make up a SampsonSystem.
 struct SampsonSums {

@@ -24,9 +24,8 @@
 
 namespace psfm::colmap {
 
-/// Format: COLMAP's image ids are below this: a pair's key is first * kMaxImages + second with
-/// first < second.
-inline constexpr std::int64_t kMaxImages = 2147483647;
+/// Image ids are below this: a pair's key is first * kMaxImages + second with first < second.
+inline constexpr std::int64_t kMaxImages = 2147483647;  // Format: COLMAP's, for keys of pairs
 
 /// Persistent numbers of two_view_geometries.config (COLMAP's TwoViewGeometry).
 enum class PairConfig : std::uint8_t {
