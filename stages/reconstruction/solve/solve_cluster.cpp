@@ -85,7 +85,7 @@ Result<SolveAttempt> solve_new(const ClusterProblem& problem, const LocalGraph& 
         // What could not be started globally may still be grown.
         if (attempt.ok() || attempt.error().code == ErrorCode::kCancelled) return attempt;
     }
-    constexpr int kStarts = 3;
+    constexpr int kStarts = 3;  // Tunable: ours, without a figure
     SolveAttempt best;
     std::vector<bool> used(problem.images.size(), false);
     for (int start = 0; start < kStarts; ++start) {
