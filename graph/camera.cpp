@@ -16,6 +16,7 @@ struct ModelInfo {
     int parameters;
 };
 
+/// Format: models as COLMAP numbers and names them, and how many parameters each has.
 constexpr std::array<ModelInfo, 5> kModels{{{CameraModel::kSimplePinhole, "SIMPLE_PINHOLE", 3},
                                             {CameraModel::kPinhole, "PINHOLE", 4},
                                             {CameraModel::kSimpleRadial, "SIMPLE_RADIAL", 4},
@@ -108,6 +109,8 @@ Eigen::Vector2d normalized_from_pixel(const Camera& camera, const Eigen::Vector2
     for (int iteration = 0; iteration < 20; ++iteration) {
         const Eigen::Vector2d residual = x + distortion_offset(camera, x) - distorted;
         if (residual.squaredNorm() < 1e-24) break;
+        // Mathematics: of central differences of numbers about 1, where rounding and curvature err
+        // by 1e-10.
         constexpr double kStep = 1e-6;
         Eigen::Matrix2d jacobian = Eigen::Matrix2d::Identity();
         for (int axis = 0; axis < 2; ++axis) {

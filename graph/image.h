@@ -65,8 +65,8 @@ using Keypoints = std::vector<Keypoint>;
 
 /// RootSIFT as bytes: row i holds round(512 * sqrt(SIFT_i / |SIFT|_1)), clamped to 255, 128 a row.
 struct Descriptors {
-    static constexpr std::size_t kSize = 128;
-    std::vector<std::uint8_t> values;  ///< rows * kSize
+    static constexpr std::size_t kSize = 128;  // Format: bytes of a SIFT descriptor
+    std::vector<std::uint8_t> values;          ///< rows * kSize
 
     std::size_t rows() const { return values.size() / kSize; }
     const std::uint8_t* row(std::size_t i) const { return values.data() + i * kSize; }

@@ -14,6 +14,7 @@ namespace {
 /// Images that see some of the points, ascending.
 std::vector<ImageId> images_that_see(std::span<const ScenePoint> points) {
     // Most observations are of an image that was met just before: what is sorted is few.
+    // Guard: bounds memory; what is forgotten is sorted out below.
     constexpr std::size_t kRemembered = 1024;
     std::vector<std::optional<ImageId>> met(kRemembered);
     std::vector<ImageId> images;
@@ -29,7 +30,8 @@ std::vector<ImageId> images_that_see(std::span<const ScenePoint> points) {
     return images;
 }
 
-/// What an allocation takes beside what was asked for [bytes].
+/// Guard: what an allocation takes beside what was asked for [bytes]. An estimate, for bounds of
+/// memory.
 constexpr std::size_t kAllocation = 12;
 
 }  // namespace

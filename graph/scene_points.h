@@ -53,9 +53,9 @@ using PointBlockPtr = std::shared_ptr<const PointBlock>;
 /// A value; thread-safe as a std::vector is.
 class ScenePoints {
   public:
-    /// Points of a block that is made of a list. Blocks of what was left over and put together may
-    /// have up to twice as many, or few. Lowered: more blocks to look at; raised: more to copy
-    /// where one point changes. Ours.
+    /// Guard: points of a block that is made of a list. Blocks of what was left over and put
+    /// together may have up to twice as many, or few. Lowered: more blocks to look at; raised: more
+    /// to copy where one point changes. Ours.
     static constexpr std::size_t kBlockPoints = 1024;
 
     /// In order, over all blocks.

@@ -10,7 +10,8 @@
 namespace psfm {
 namespace {
 
-/// Places looked at along each side of a photograph or picture.
+/// Guard: places looked at along each side of a photograph or picture. Sides are smooth between
+/// them.
 constexpr int kSamples = 32;
 
 /// A rectangle of normalised coordinates about the optical axis: left, top < 0 < right, bottom.
@@ -41,6 +42,8 @@ std::uint8_t opposite(std::uint8_t quarter_turns) {
 /// Whether distortion keeps its sense from the axis out to here: beyond a fold it shows what lies
 /// further in a second time.
 bool is_regular(const Camera& camera, const Eigen::Vector2d& normalized) {
+    // Mathematics: of central differences of numbers about 1, where rounding and curvature err by
+    // 1e-10.
     constexpr double kStep = 1e-6;
     const double scale = camera.fx() * camera.fy();
     for (int k = 1; k <= 8; ++k) {
@@ -58,7 +61,7 @@ bool is_regular(const Camera& camera, const Eigen::Vector2d& normalized) {
 }
 
 bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel) {
-    constexpr double kRounding = 1e-6;
+    constexpr double kRounding = 1e-6;  // Guard: [px], rounding of places on the rim
     return pixel.x() >= -kRounding && pixel.y() >= -kRounding &&
            pixel.x() <= camera.width + kRounding && pixel.y() <= camera.height + kRounding;
 }
@@ -94,6 +97,7 @@ struct Windows {
 
 /// What the photograph's sides leave, where they can be undistorted at all.
 Windows windows_of(const Camera& camera) {
+    // Guard: where a side cannot be undistorted, some bound all the same.
     constexpr double kFar = 1e3;
     Windows windows{{-kFar, -kFar, kFar, kFar}, {0.0, 0.0, 0.0, 0.0}};
     const auto look = [&](double px, double py, auto&& narrow) {
@@ -137,7 +141,9 @@ Window between(const Window& inner, const Window& outer, double part) {
 
 /// The largest part of a window, of the same shape, that the photograph has.
 Result<Window> available_part(const Camera& camera, const Window& window, bool inside) {
+    // Tunable: ours; a distortion that leaves less than a fifth of the window is refused as wrong.
     constexpr double kLeast = 0.2;
+    // Tunable: ours; pictures are up to half a per cent smaller than could be.
     constexpr double kStep = 0.995;
     if (window.left < 0 && window.top < 0 && window.right > 0 && window.bottom > 0) {
         for (double factor = 1.0; factor > kLeast; factor *= kStep) {
@@ -152,7 +158,7 @@ Result<Window> available_part(const Camera& camera, const Window& window, bool i
 }
 
 std::uint32_t whole_pixels(double length, std::uint32_t multiple) {
-    constexpr double kRounding = 1e-6;
+    constexpr double kRounding = 1e-6;  // Guard: [px], rounding must not cost a pixel
     const auto pixels = static_cast<std::uint32_t>(std::max(0.0, length + kRounding));
     return std::max(pixels / multiple * multiple, multiple);
 }
@@ -248,6 +254,7 @@ double largest_difference_px(const UndistortedView& view, const Camera& photo,
         view.photo.height != photo.height) {
         return std::numeric_limits<double>::infinity();
     }
+    // Guard: bounds the places that are looked at; distortions are smooth between.
     constexpr int kGrid = 16;
     const UndistortedView other{photo, view.picture, quarter_turns};
     double largest = 0.0;
@@ -264,7 +271,7 @@ double largest_difference_px(const UndistortedView& view, const Camera& photo,
 }
 
 bool is_identity(const UndistortedView& view) {
-    constexpr double kNothing = 1e-6;
+    constexpr double kNothing = 1e-6;  // Guard: [px], rounding of both ways
     if (view.quarter_turns != 0 || view.picture.width != view.photo.width ||
         view.picture.height != view.photo.height) {
         return false;

@@ -52,7 +52,7 @@ class ViewGraph {
     const Edge* find(ImageId a, ImageId b) const;
 
   private:
-    static constexpr std::size_t kBlockNodes = 64;
+    static constexpr std::size_t kBlockNodes = 64;  // Guard: what a change copies
     using Edges = std::vector<Edge>;
     using Block = std::array<std::shared_ptr<const Edges>, kBlockNodes>;  // null: no edges
 

@@ -16,7 +16,7 @@ enum class Weakness : std::uint8_t {
     kImplausibleFocal = 3,  ///< a focal length that no camera has, or that others of its size lack
     kLookAlikes = 4,        ///< its images should see what they do not: two things may be one in it
 };
-constexpr std::uint32_t kWeaknessCount = 5;
+constexpr std::uint32_t kWeaknessCount = 5;  // Format: bits of Weaknesses that mean something
 
 /// A set of them.
 struct Weaknesses {

@@ -28,6 +28,7 @@ const char* malloc_conf =
 
 namespace {
 
+/// Format: exit codes, as docs have them.
 constexpr int kUsageError = 2;
 constexpr int kUnexpectedError = 1;
 

@@ -17,9 +17,9 @@
 namespace psfm {
 namespace {
 
-/// Verified images that wait for their version without holding a token, at most: this part of all.
-/// Raised: fewer versions while images stream in faster than they are solved, later ones; lowered:
-/// the cost of an image grows with the session. Ours.
+/// Tunable: verified images that wait for their version without holding a token, at most: this part
+/// of all. Raised: fewer versions while images stream in faster than they are solved, later ones;
+/// lowered: the cost of an image grows with the session. Ours.
 constexpr std::uint32_t kImagesPerWaiting = 25;
 
 }  // namespace

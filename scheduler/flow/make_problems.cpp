@@ -17,8 +17,8 @@
 namespace psfm {
 namespace {
 
-/// Images of a camera that a model must have for its intrinsics to be taken over elsewhere.
-/// Lowered: weak geometry's guesses spread. Ours.
+/// Tunable: images of a camera that a model must have for its intrinsics to be taken over
+/// elsewhere. Lowered: weak geometry's guesses spread. Ours.
 constexpr std::uint32_t kImagesToCalibrate = 10;
 
 /// Intrinsics of those cameras of a problem that none of its recycled models has, from the

@@ -22,7 +22,7 @@ namespace psfm {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kPoll = 100ms;  // how soon a stop is noticed
+constexpr auto kPoll = 100ms;  // Guard: how soon a stop is noticed
 
 /// Photographs that need not be looked at again.
 class SeenPhotos {

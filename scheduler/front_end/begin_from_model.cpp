@@ -20,7 +20,7 @@
 namespace psfm {
 namespace {
 
-/// Photographs whose features are in memory at a time.
+/// Guard: photographs whose features are in memory at a time.
 constexpr std::size_t kBatch = 16;
 
 Error about(const std::string& name, const std::string& what) {
@@ -76,7 +76,7 @@ Result<ExtractedPhoto> from_database(const ExportedImage& image, const ColmapDat
     if (!keypoints) return keypoints.error();
     auto descriptors = database.descriptors(database_id);
     if (!descriptors) return descriptors.error();
-    constexpr double kRounding = 0.01;  // [px], of programs that write text
+    constexpr double kRounding = 0.01;  // Guard: [px], of programs that write text
     bool same = keypoints->size() == image.keypoints.size();
     for (std::size_t k = 0; same && k < keypoints->size(); ++k) {
         const Eigen::Vector2d place(image.keypoints[k].x, image.keypoints[k].y);

@@ -13,13 +13,13 @@
 namespace psfm {
 namespace {
 
-/// Views of more than 124 degrees, and of less than 6: no lens that people carry, and mostly a
-/// model that went wrong. Ours.
+/// Tunable: views of more than 124 degrees, and of less than 6: no lens that people carry, and
+/// mostly a model that went wrong. Ours.
 constexpr double kShortestFocal = 0.27, kLongestFocal = 10.0;  // over the longer side
-/// From here on EXIF and the photographs contradict each other: what makers round to is a few per
-/// cent. Ours.
+/// Tunable: from here on EXIF and the photographs contradict each other: what makers round to is a
+/// few per cent. Ours.
 constexpr double kFarFromExif = 0.12;
-/// And here cameras of like photographs do. Ours.
+/// Tunable: and here cameras of like photographs do. Ours.
 constexpr double kFarFromOthers = 0.2;
 
 std::string pixels(double value) {
@@ -36,7 +36,7 @@ bool folds_inside(const Camera& camera) {
         camera.model == CameraModel::kSimpleRadial || camera.model == CameraModel::kRadial;
     if (!has_radial) return false;
     const double corner = 0.5 * std::hypot(camera.width, camera.height) / camera.fx();
-    constexpr int kSteps = 20;
+    constexpr int kSteps = 20;  // Guard: bounds the radii looked at; both terms are smooth
     for (int i = 1; i <= kSteps; ++i) {
         const double r = corner * i / kSteps;
         const double r2 = r * r;

@@ -15,7 +15,7 @@ namespace {
 
 /// The first few names, and how many more there are.
 std::string listed(std::span<const std::string> names) {
-    constexpr std::size_t kShown = 3;
+    constexpr std::size_t kShown = 3;  // Format: names in a message
     std::string text;
     for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
         text += (i == 0 ? "" : ", ") + names[i];
@@ -112,7 +112,7 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
                  std::to_string(solution.places.size()) +
                  " places side by side, whose images share nothing:";
     nlohmann::json sizes = nlohmann::json::array();
-    constexpr std::size_t kShown = 3;
+    constexpr std::size_t kShown = 3;  // Format: places in a message
     for (const std::vector<ImageId>& place : solution.places) {
         const std::string& name = images[index_of(place.front())].name;
         if (sizes.size() < kShown) {
@@ -150,7 +150,7 @@ std::optional<SessionEvent> describe_cameras(const ClusterProblem& problem,
     event.kind = SessionEvent::Kind::kCameras;
     event.clusters = {index_of(problem.cluster)};
     event.text = "of cluster " + std::to_string(index_of(problem.cluster)) + ": ";
-    constexpr std::size_t kShown = 3;
+    constexpr std::size_t kShown = 3;  // Format: findings in a message
     for (std::size_t i = 0; i < std::min(told.size(), kShown); ++i)
         event.text += (i == 0 ? "" : "; ") + told[i];
     if (told.size() > kShown)

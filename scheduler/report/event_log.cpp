@@ -30,7 +30,7 @@ std::string dump(const ordered_json& object) {
     return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-/// Lines that wait for space on the disk, at most [bytes]: of some 50,000 images. Ours.
+/// Guard: lines that wait for space on the disk, at most [bytes]: of some 50,000 images. Ours.
 constexpr std::size_t kMostUnwritten = std::size_t{16} << 20U;
 
 /// Left by a process that was killed while it wrote: what is appended begins a line of its own.
@@ -122,7 +122,7 @@ std::string log_line(const GraphUsage& usage) {
 }
 
 Result<std::unique_ptr<EventLog>> EventLog::open(const std::filesystem::path& file) {
-    constexpr mode_t kFromUmask = 0666;
+    constexpr mode_t kFromUmask = 0666;  // Format: mode of a file that the umask decides on
     const int descriptor =
         ::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, kFromUmask);
     if (descriptor < 0) {

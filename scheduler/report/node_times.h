@@ -75,6 +75,7 @@ class NodeTimes {
     };
 
   private:
+    /// Mathematics: the number of GraphNode's values, of which kPublish is the last.
     static constexpr std::size_t kNodes = static_cast<std::size_t>(GraphNode::kPublish) + 1;
     struct Node {
         std::mutex mutex;

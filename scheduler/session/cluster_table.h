@@ -92,7 +92,7 @@ class ClusterTable {
     explicit ClusterTable(std::uint32_t mu_min) : mu_min_(mu_min) {}
 
     /// Whether so many images are enough for a model.
-    bool makes_model(std::size_t images) const { return images >= mu_min_; }
+    bool makes_model(std::size_t images) const { return psfm::makes_model(images, mu_min_); }
 
     /// Takes over an edit; clusters below mu_min are clean at once. Models keep what their clusters
     /// place afterwards, as after a restore(). REQUIRES: no cluster rests that changes, or that

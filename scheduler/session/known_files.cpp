@@ -33,7 +33,7 @@ std::optional<std::uint64_t> hash_of(const PhotoFile& photo) {
 
 /// "a, b, c and 7 more"
 std::string some_of(const std::vector<std::string>& names) {
-    constexpr std::size_t kShown = 5;
+    constexpr std::size_t kShown = 5;  // Format: names in a message
     std::string list;
     for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
         list += (i == 0 ? "" : ", ") + names[i];

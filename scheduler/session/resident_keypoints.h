@@ -21,8 +21,8 @@ class ResidentKeypoints {
   public:
     using Pointer = std::shared_ptr<const Keypoints>;
 
-    /// Solves whose keypoints stay in any case. Lowered: clusters that are solved in turn are read
-    /// again and again; raised: more memory.
+    /// Guard: solves whose keypoints stay in any case. Lowered: clusters that are solved in turn
+    /// are read again and again; raised: more memory.
     static constexpr std::uint64_t kSolvesKept = 32;
 
     /// @param bytes  of keypoints that no solve has used lately. More: fewer reads from the store.

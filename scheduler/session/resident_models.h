@@ -19,8 +19,8 @@ namespace psfm {
 /// Ours.
 class ResidentModels {
   public:
-    /// Models used so many times ago or less stay in any case. Lowered: those that are looked at in
-    /// turn are read again and again; raised: more memory.
+    /// Guard: models used so many times ago or less stay in any case. Lowered: those that are
+    /// looked at in turn are read again and again; raised: more memory.
     static constexpr std::uint64_t kUsesKept = 32;
 
     /// @param bytes  of points in memory, while some are of clusters that may rest. More: fewer

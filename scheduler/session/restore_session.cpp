@@ -162,7 +162,7 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
 }  // namespace
 
 std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs) {
-    // Either image knows the other, as a plausible neighbor and in the view graph.
+    // Mathematics: either image knows the other, as a plausible neighbor and in the view graph.
     constexpr std::size_t kEdges = 2 * (sizeof(EdgeSelection::Edge) + sizeof(ViewGraph::Edge));
     std::size_t bytes = 0;
     for (const VerifiedPairPtr& pair : pairs)

@@ -13,7 +13,7 @@ namespace psfm {
 namespace {
 
 using nlohmann::json;
-constexpr std::uint32_t kConfigVersion = 1;
+constexpr std::uint32_t kConfigVersion = 1;  // Format: of the settings that a session keeps
 
 constexpr std::array<std::pair<std::string_view, History>, 3> kHistories{
     {{"none", History::kNone}, {"poses", History::kPoses}, {"full", History::kFull}}};

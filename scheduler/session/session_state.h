@@ -74,7 +74,7 @@ struct SessionState {
     SessionCounts counts;
     /// The last joins, splits, transfers and resets, oldest first; at most kPastEvents.
     std::deque<PastEvent> past_events;
-    static constexpr std::size_t kPastEvents = 50;
+    static constexpr std::size_t kPastEvents = 50;  // Guard: bounds what is kept
     std::map<std::uint32_t, PendingImage> pending;  ///< by image index
 };
 

@@ -49,6 +49,11 @@ struct ClusteringOptions {
 bool may_join(std::size_t a, std::size_t b, const ClusteringOptions& options);
 
 /// @errors kInvalidArgument
+/// Whether so many images are enough for a model. Paper: mu_min.
+inline bool makes_model(std::size_t images, std::uint32_t mu_min) {
+    return images >= mu_min;
+}
+
 Result<void> validate(const ClusteringOptions& options);
 
 }  // namespace psfm

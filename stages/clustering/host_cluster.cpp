@@ -6,12 +6,14 @@
 #include <map>
 
 #include "graph/sorted_unique.h"
+#include "stages/clustering/clustering_options.h"
 
 namespace psfm {
 namespace {
 
 bool is_large(const ClusteringState& clustering, ImageId image, std::uint32_t mu_min) {
-    return clustering.members.at(clustering.cluster_of[index_of(image)]).size() >= mu_min;
+    return makes_model(clustering.members.at(clustering.cluster_of[index_of(image)]).size(),
+                       mu_min);
 }
 
 }  // namespace

@@ -8,8 +8,9 @@
 namespace psfm {
 namespace {
 
-/// Below this ratio of the spreads across and along, points count as lying on a line: rounding of
-/// coordinates in double precision stays far below it, and every real baseline far above.
+/// Guard: below this ratio of the spreads across and along, points count as lying on a line:
+/// rounding of coordinates in double precision stays far below it, and every real baseline far
+/// above.
 constexpr double kCollinearRatio = 1e-10;
 
 Eigen::Vector3d mean_of(std::span<const Eigen::Vector3d> points) {
@@ -37,7 +38,8 @@ Result<SimilarityFit> fit_similarity(std::span<const Eigen::Vector3d> source,
         source_variance += from.squaredNorm();
         target_variance += to.squaredNorm();
     }
-    // Rounding leaves coinciding points a spread of about 1e-16 of their distance from the origin.
+    // Guard: rounding leaves coinciding points a spread of about 1e-16 of their distance from the
+    // origin.
     constexpr double kRounding = 1e-28;
     const auto count = static_cast<double>(source.size());
     if (source_variance <= kRounding * count * source_mean.squaredNorm() ||

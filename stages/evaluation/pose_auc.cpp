@@ -18,7 +18,7 @@ double angle_between_vectors(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
 
 /// Whether a baseline is nothing but rounding of the centres it was computed from.
 bool is_zero_baseline(const Eigen::Vector3d& centre1, const Eigen::Vector3d& centre2) {
-    constexpr double kRounding = 1e-12;
+    constexpr double kRounding = 1e-12;  // Guard: of centres that are one
     return (centre1 - centre2).norm() <= kRounding * (centre1.norm() + centre2.norm());
 }
 

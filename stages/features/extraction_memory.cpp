@@ -14,17 +14,18 @@
 namespace psfm {
 namespace {
 
-/// What holds the size of all but unusual files: EXIF data with their thumbnail are in front of it.
+/// Guard: what holds the size of all but unusual files: EXIF data with their thumbnail are in front
+/// of it.
 constexpr std::size_t kHeaderBytes = std::size_t{256} << 10U;
-/// Pixels of a photograph whose header does not tell, for each byte of the file: HEIF and JPEG at
-/// their strongest usual compression.
+/// Guard: pixels of a photograph whose header does not tell, for each byte of the file: HEIF and
+/// JPEG at their strongest usual compression.
 constexpr double kPixelsPerByte = 8.0;
-/// Colour, and a copy while it is converted: from 16 bits, or to grey.
+/// Guard: colour, and a copy while it is converted: from 16 bits, or to grey.
 constexpr double kBytesPerPixel = 9.0;
-/// Of the image that features are detected in: grey, its mask, and the coarser octaves (a float for
-/// each fourth pixel, sixteenth …).
+/// Guard: of the image that features are detected in: grey, its mask, and the coarser octaves (a
+/// float for each fourth pixel, sixteenth …).
 constexpr double kBytesPerReducedPixel = 4.0;
-/// Places and features while they are chosen from.
+/// Guard: places and features while they are chosen from.
 constexpr std::size_t kBytesPerFeature = 1024;
 
 std::optional<PhotoSize> size_in_header(const std::filesystem::path& path) {

@@ -89,13 +89,13 @@ Sighting sighting_of(const LocalisationMap& map, const ExtractedPhoto& photo,
 }
 
 /// Images that show what an image shows: their points are among its own.
-bool share_points(const std::vector<Correspondence>& a, const std::vector<Correspondence>& b) {
-    constexpr std::size_t kShared = 5;
+bool share_points(const std::vector<Correspondence>& a, const std::vector<Correspondence>& b,
+                  std::size_t min_shared_points) {
     std::set<std::uint32_t> points;
     for (const Correspondence& item : a) points.insert(item.point);
     std::size_t shared = 0;
     for (const Correspondence& item : b) shared += points.contains(item.point) ? 1 : 0;
-    return shared >= kShared;
+    return shared >= min_shared_points;
 }
 
 struct Best {
@@ -106,7 +106,7 @@ struct Best {
 
 /// The sets of images that are tried: all in a part, and the surroundings of each of the best.
 std::vector<std::pair<std::uint32_t, std::vector<const std::vector<Correspondence>*>>> hypotheses(
-    const LocalisationMap& map, const ByImage& by_image) {
+    const LocalisationMap& map, const ByImage& by_image, const LocaliseOptions& options) {
     std::map<std::uint32_t, std::vector<const std::vector<Correspondence>*>> parts;
     std::vector<std::pair<ImageId, const std::vector<Correspondence>*>> ordered;
     for (const auto& [image, list] : by_image) {
@@ -117,12 +117,12 @@ std::vector<std::pair<std::uint32_t, std::vector<const std::vector<Correspondenc
     for (auto& [part, lists] : parts) sets.emplace_back(part, lists);
     std::ranges::stable_sort(ordered, std::ranges::greater{},
                              [](const auto& entry) { return entry.second->size(); });
-    constexpr std::size_t kSurroundings = 5;
-    for (std::size_t k = 0; k < std::min(kSurroundings, ordered.size()); ++k) {
+    for (std::size_t k = 0; k < std::min(options.surroundings, ordered.size()); ++k) {
         const std::uint32_t part = map.places().at(ordered[k].first).part;
         std::vector<const std::vector<Correspondence>*> lists{ordered[k].second};
         for (const auto* other : parts[part]) {
-            if (other != ordered[k].second && share_points(*ordered[k].second, *other))
+            if (other != ordered[k].second &&
+                share_points(*ordered[k].second, *other, options.min_shared_points))
                 lists.push_back(other);
         }
         if (lists.size() < parts[part].size()) sets.emplace_back(part, std::move(lists));
@@ -179,7 +179,7 @@ Result<LocalisedPhoto> localise_photo(const LocalisationMap& map, const Extracte
     }
     std::optional<Best> best;
     Error last{ErrorCode::kTooFewMatches, ""};
-    for (const auto& [part, lists] : hypotheses(map, *by_image)) {
+    for (const auto& [part, lists] : hypotheses(map, *by_image, options)) {
         Sighting sighting = sighting_of(map, photo, lists, part);
         auto pose = estimate_absolute_pose(sighting.pixels, sighting.points, camera, refine_focal,
                                            options.pose, photo.metadata.content_hash);

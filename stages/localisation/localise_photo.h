@@ -27,6 +27,12 @@ struct LocaliseOptions {
     /// Matches with an image below which it says nothing. As VerifyOptions::min_inliers.
     std::size_t min_matches = 10;
     MatchOptions match;
+    /// Images with most matches whose surroundings are tried by themselves. Raised: slower, a pose
+    /// each; lowered: where look-alikes have most matches the right ones are missed. Ours.
+    std::size_t surroundings = 5;
+    /// Points that an image of the surroundings has in common with the one that they are of.
+    /// Raised: poses rest on fewer images; lowered: look-alikes come along. Ours.
+    std::size_t min_shared_points = 5;
     /// Of all correspondences with several images, many of which may be look-alikes, fewer are
     /// right than of verified pairs.
     AbsolutePoseOptions pose{.max_error_px = 8.0, .min_inliers = 20, .min_inlier_ratio = 0.1};

@@ -36,7 +36,7 @@ std::optional<Matrix6> pose_covariance(std::span<const Eigen::Vector2d> pixels,
     for (const Eigen::Vector3d& point : points) distance += (cam_from_world * point).norm();
     if (points.empty()) return std::nullopt;
     distance /= static_cast<double>(points.size());
-    constexpr double kStep = 1e-6;  // of a radian, and of the mean distance
+    constexpr double kStep = 1e-6;  // Mathematics: of central differences [rad; mean distances]
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto seen = project(camera, cam_from_world * points[i]);
         if (!seen) continue;

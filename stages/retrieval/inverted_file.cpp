@@ -10,7 +10,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::uint32_t kMaxOccurrences = 255;
+constexpr std::uint32_t kMaxOccurrences = 255;  // Format: the largest of a posting's 8 bits
 
 /// Square roots of 0 … 255: term frequencies damped.
 const std::array<float, kMaxOccurrences + 1> kDamped = [] {

@@ -17,7 +17,7 @@ struct Range {
 }  // namespace
 
 Result<void> validate(const RetrievalOptions& options) {
-    constexpr std::size_t kMillion = 1000000;
+    constexpr std::size_t kMillion = 1000000;  // Guard: of typing errors
     const Range ranges[] = {
         {"candidates", options.candidates, 1, kMillion},
         {"features_per_image", options.features_per_image, 1, kMillion},

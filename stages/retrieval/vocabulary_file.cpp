@@ -20,6 +20,7 @@ namespace psfm {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'p', 's', 'f', 'm', 'V', 'O', 'C', '\0'};
+/// Format: of the vocabulary's file; the most cells and words that a damaged one may say.
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint32_t kMaxCells = 1U << 16U;
 constexpr std::uint64_t kMaxWords = std::uint64_t{1} << 24U;

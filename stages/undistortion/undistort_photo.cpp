@@ -25,7 +25,8 @@ Error about(const PhotoFile& photo, const std::string& what,
 std::vector<std::uint8_t> encode(const cv::Mat& picture, const std::string& extension,
                                  int jpeg_quality) {
     std::vector<int> parameters;
-    // Fast and nearly as small as can be: run lengths and Huffman codes do most of it.
+    // Format: of PNG: fast and nearly as small as can be: run lengths and Huffman codes do most of
+    // it.
     constexpr int kPngCompression = 3;
     if (extension == ".jpg") parameters = {cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
     if (extension == ".png") parameters = {cv::IMWRITE_PNG_COMPRESSION, kPngCompression};

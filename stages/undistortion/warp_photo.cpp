@@ -8,9 +8,9 @@
 namespace psfm {
 namespace {
 
-/// Rows of a picture whose places in the photograph are worked out at a time.
+/// Guard: rows of a picture whose places in the photograph are worked out at a time.
 constexpr int kStripRows = 64;
-/// Below this scale bicubic interpolation would leave out pixels. Ours.
+/// Tunable: below this scale bicubic interpolation would leave out pixels. Ours.
 constexpr double kReduceBelow = 0.75;
 
 /// Sizes of the photograph's pixels in the picture [px].

@@ -15,7 +15,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kSide = 8;  // squares along a side
+constexpr std::size_t kSide = 8;  // Tunable: ours, squares along a side
 using Squares = std::array<std::size_t, kSide * kSide>;
 
 std::size_t square_of(const Keypoint& keypoint, const Camera& camera) {

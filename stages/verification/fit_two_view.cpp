@@ -15,10 +15,12 @@
 namespace psfm {
 namespace {
 
-/// Refinement and inliers settle in two rounds: a third changes nothing that can be measured.
+/// Guard: refinement and inliers settle in two rounds: a third changes nothing that can be
+/// measured.
 constexpr int kRounds = 2;
 
-/// Fewer points than this are not worth a refinement with five or seven parameters.
+/// Guard: fewer points than this are not worth a refinement with five or seven parameters.
+/// VerifyOptions ask for more of a verified pair.
 constexpr std::size_t kMinRefinable = 10;
 
 RefineOptions refine_options(double loss_scale) {

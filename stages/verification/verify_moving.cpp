@@ -117,7 +117,7 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
         const double kept = geometry.ok() ? part(count_common(moving->inliers, geometry->inliers),
                                                  moving->inliers.size())
                                           : 0.0;
-        constexpr double kMostOf = 0.8;
+        constexpr double kMostOf = 0.8;  // Tunable: ours, without a figure
         if (kept < kMostOf) geometry = *std::move(moving);
     } else if (!everywhere) {
         const bool leans_on_still =

@@ -16,10 +16,9 @@ namespace {
 
 /// The direction that is most nearly in the plane of each pair of rays. Reweighted, so that wrong
 /// matches let go of it. Length 1; the sign is that of chance.
-Eigen::Vector3d direction_for(std::span<const PointPair> points,
-                              const Eigen::Quaterniond& rotation) {
-    constexpr int kRounds = 10;
-    constexpr double kScale = 0.01;  // of a sine: a degree and a half, wider than any match is off
+Eigen::Vector3d direction_for(std::span<const PointPair> points, const Eigen::Quaterniond& rotation,
+                              const WithRotationOptions& options) {
+    constexpr int kRounds = 10;  // Guard: ends the reweighting
     std::vector<Eigen::Vector3d> normals;
     normals.reserve(points.size());
     for (const PointPair& p : points) {
@@ -30,7 +29,7 @@ Eigen::Vector3d direction_for(std::span<const PointPair> points,
     for (int round = 0; round < kRounds; ++round) {
         Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
         for (const Eigen::Vector3d& normal : normals) {
-            const double off = round == 0 ? 0.0 : normal.dot(direction) / kScale;
+            const double off = round == 0 ? 0.0 : normal.dot(direction) / options.loss_scale;
             scatter += normal * normal.transpose() / (1.0 + off * off);
         }
         direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
@@ -54,7 +53,7 @@ Result<TwoViewGeometry> with_rotation(const TwoViewGeometry& geometry, const Mat
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     Rigid3 pose;
     pose.rotation = cam2_from_cam1_rotation.normalized();
-    pose.translation = direction_for(problem.normalized, pose.rotation);
+    pose.translation = direction_for(problem.normalized, pose.rotation, options);
     Rigid3 opposite = pose;
     opposite.translation = -pose.translation;
     pose = choose_by_cheirality(std::vector{pose, opposite}, problem.normalized).cam2_from_cam1;

@@ -14,6 +14,10 @@ struct WithRotationOptions {
     /// wrong focal length are lost; lowered: chance. Ours, not tuned: look-alikes keep next to
     /// none.
     double min_kept = 0.7;
+    /// Sine of the angle off the plane of its rays at which a match counts half where the
+    /// translation is fitted. Raised: wrong matches pull at it; lowered: it rests on what agreed
+    /// from the beginning. Ours: half a degree, wider than any right match is off.
+    double loss_scale = 0.01;
 };
 
 /// Whether a verified pair can be seen with another rotation than the one that it was given. Few

@@ -14,7 +14,7 @@ namespace psfm {
 namespace {
 
 constexpr const char* kStrangeKey = "is under an impossible key";
-constexpr std::uint64_t kRecordsPerReport = 64;
+constexpr std::uint64_t kRecordsPerReport = 64;  // Format: records between two reports of progress
 
 std::string name(ImageId image) {
     return "image " + std::to_string(index_of(image));

@@ -8,7 +8,8 @@ namespace psfm {
 
 Result<CheckReport> check_session(const Database& database,
                                   const std::function<void(std::uint64_t done)>& progress) {
-    // Beside a busy writer, families may be a moment apart: look again when there is something new.
+    // Guard: beside a busy writer, families may be a moment apart: look again when there is
+    // something new.
     constexpr int kAttempts = 3;
     for (int attempt = 1;; ++attempt) {
         CheckReport report;

@@ -152,6 +152,7 @@ Result<bool> Database::catch_up() const {
     const std::unique_lock lock(view_mutex_);
     const rocksdb::SequenceNumber before = db_->GetLatestSequenceNumber();
     rocksdb::Status status;
+    // Guard: a busy writer's files may vanish while they are followed; 50 ms in all.
     constexpr int kAttempts = 5;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5 * attempt));

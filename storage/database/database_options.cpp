@@ -16,7 +16,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kMiB = std::size_t{1} << 20U;
+constexpr std::size_t kMiB = std::size_t{1} << 20U;  // Mathematics: bytes of a MiB
 
 /// Families of large values that do not compress and are cached decoded, not as blocks.
 bool is_bulk(Family family) {

@@ -16,7 +16,7 @@
 namespace psfm {
 namespace {
 
-// RocksDB's log format: blocks of 32 KiB, in them records of checksum (4 bytes), length (2), type
+// Format: RocksDB's log: blocks of 32 KiB, in them records of checksum (4 bytes), length (2), type
 // (1) and payload. A batch is one record of type kFull, or kFirst, any number of kMiddle, and
 // kLast.
 constexpr std::size_t kBlockSize = 32768;
@@ -25,7 +25,7 @@ constexpr std::uint8_t kFull = 1;
 constexpr std::uint8_t kFirst = 2;
 constexpr std::uint8_t kLast = 4;
 
-constexpr std::uint32_t kCastagnoli = 0x82f63b78;  // reversed
+constexpr std::uint32_t kCastagnoli = 0x82f63b78;  // Mathematics: of CRC-32C, reversed
 
 constexpr std::array<std::uint32_t, 256> make_table() {
     std::array<std::uint32_t, 256> table{};

@@ -83,7 +83,7 @@ Result<std::optional<T>> fetch(const ReadView& view, Family family, RecordKind k
 template <typename Read>
 auto read_consistently(const Database& database, const Read& read)
     -> decltype(read(std::declval<const ReadView&>())) {
-    constexpr int kAttempts = 5;
+    constexpr int kAttempts = 5;  // Guard: ends what a busy writer could keep up for ever
     std::optional<Error> problem;
     for (int attempt = 1;; ++attempt) {
         {

@@ -38,7 +38,7 @@ Result<ReaderFolder> ReaderFolder::make(const fs::path& session) {
             "cannot make " + quoted(path) + " (a reader needs a folder in the session)", errno);
     };
     if (::mkdir(parent.c_str(), 0755) != 0 && errno != EEXIST) return failed(parent);
-    constexpr int kMaxReaders = 100'000;
+    constexpr int kMaxReaders = 100'000;  // Guard: ends the search for a free name
     for (int n = 0; n < kMaxReaders; ++n) {
         const fs::path path = parent / (std::to_string(getpid()) + "-" + std::to_string(n));
         if (::mkdir(path.c_str(), 0755) != 0) {

@@ -15,7 +15,7 @@ inline constexpr const char* kLockFile = "writer.lock";
 inline constexpr const char* kLockFirstLine = "psfm session lock";
 inline constexpr const char* kDatabaseFolder = "db";
 inline constexpr const char* kReadersFolder = "secondary";
-inline constexpr int kSessionFormat = 1;
+inline constexpr int kSessionFormat = 1;  // Format: version of a session's folder
 
 enum class FolderState {
     kNew,      ///< missing, empty, or left by an interrupted creation: a session may be made there

@@ -14,8 +14,8 @@
 
 namespace psfm {
 
-/// Records that one solution is read from, at most. Raised: less is written, and more is read when
-/// a session is opened; a record that says of more is damaged. Ours.
+/// Guard: records that one solution is read from, at most. Raised: less is written, and more is
+/// read when a session is opened; a record that says of more is damaged. Ours.
 inline constexpr std::uint32_t kLongestChain = 16;
 
 /// Poses and cameras of a solution; nothing when there are none.

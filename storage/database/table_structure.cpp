@@ -17,9 +17,10 @@
 namespace psfm {
 namespace {
 
-// RocksDB's block-based tables, format 5. The footer: type of the checksums (1 byte), handles of
-// the list of meta blocks and of the index, padded to 40 bytes, format (4), magic number (8). A
-// handle is offset and size, varints; behind each block are its compression (1) and checksum (4).
+// Format: RocksDB's block-based tables, version 5. The footer: type of the checksums (1 byte),
+// handles of the list of meta blocks and of the index, padded to 40 bytes, version (4), magic
+// number (8). A handle is offset and size, varints; behind each block are its compression (1) and
+// checksum (4).
 constexpr std::size_t kFooterSize = 53;
 constexpr std::size_t kFormatAt = 41;
 constexpr std::size_t kMagicAt = 45;
@@ -27,7 +28,7 @@ constexpr std::uint64_t kMagic = 0x88e241b785f4cff7;
 constexpr std::uint64_t kFormat = 5;
 constexpr char kXxh3 = 4;
 constexpr std::size_t kTrailerSize = 5;
-/// A block of properties takes some kilobytes.
+/// Guard: a block of properties takes some kilobytes.
 constexpr std::uint64_t kMaxBlockSize = std::uint64_t{1} << 20U;
 
 struct BlockHandle {
@@ -101,6 +102,7 @@ std::optional<BlockHandle> find_properties(std::string_view entries) {
 
 /// As RocksDB computes it of a block and its compression.
 std::uint32_t checksum_of(std::string_view block, char compression) {
+    // Format: RocksDB's, by which compression enters a checksum.
     constexpr std::uint32_t kPrime = 0x6b9083d9;
     return static_cast<std::uint32_t>(XXH3_64bits(block.data(), block.size())) ^
            static_cast<std::uint8_t>(compression) * kPrime;

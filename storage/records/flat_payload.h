@@ -29,8 +29,8 @@ class FlatPayload {
     template <typename Table>
     const Table* root() const {
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(words_.data());
-        constexpr flatbuffers::uoffset_t kMaxDepth = 16;
-        constexpr flatbuffers::uoffset_t kMaxTables = 50'000'000;
+        constexpr flatbuffers::uoffset_t kMaxDepth = 16;           // Guard: no schema nests so deep
+        constexpr flatbuffers::uoffset_t kMaxTables = 50'000'000;  // Guard: bounds a damaged record
         if (size_ >= FLATBUFFERS_MAX_BUFFER_SIZE) return nullptr;
         flatbuffers::Verifier verifier(bytes, size_, kMaxDepth, kMaxTables);
         if (!verifier.VerifyBuffer<Table>(nullptr)) return nullptr;

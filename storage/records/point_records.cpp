@@ -44,7 +44,8 @@ std::optional<std::vector<Observation>> take_track(CompactListReader& list) {
     return track;
 }
 
-/// Images that are looked up in tables by their numbers; a damaged record may name any number.
+/// Guard: images that are looked up in tables by their numbers; a damaged record may name any
+/// number.
 constexpr std::uint32_t kTabulated = 1U << 22U;
 
 /// Which images a model places.
@@ -164,6 +165,7 @@ Result<std::string> encode(const Reconstruction& model, const ScenePoints& point
         track_bytes += parts[part].tracks.bytes().size();
     }
     if (!each_feature_once) return not_storable("a feature belongs to two points");
+    // Guard: FlatBuffers' offsets have 31 bits.
     constexpr std::size_t kMaxBytes = std::size_t{2'000} << 20U;
     constexpr std::size_t kSlack = 1024;  // the table itself, and alignment
     const std::size_t bytes = points.size() * (3 * sizeof(double) + sizeof(float)) + track_bytes +

@@ -16,6 +16,7 @@ static_assert(std::endian::native == std::endian::little,
               "records are little-endian and written as they lie in memory");
 
 constexpr std::array<char, 4> kMagic{'p', 's', 'f', 'm'};
+/// Format: bytes of the header before its checksum, which covers them.
 constexpr std::size_t kHashedHeader = 16;
 
 template <typename T>

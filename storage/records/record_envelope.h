@@ -10,7 +10,7 @@
 
 namespace psfm {
 
-/// Bytes before every payload (FORMAT.md section 3).
+/// Format: bytes before every payload (FORMAT.md section 3).
 inline constexpr std::size_t kEnvelopeSize = 24;
 
 /// What stands before the payload in the value under `key`.

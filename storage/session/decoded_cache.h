@@ -24,7 +24,7 @@ class DecodedCache {
         auto operator<=>(const Key&) const = default;
     };
 
-    /// A cache never becomes smaller than this part of what it was given.
+    /// Guard: a cache never becomes smaller than this part of what it was given.
     static constexpr std::size_t kLeastPart = 4;
 
     explicit DecodedCache(std::size_t capacity_bytes)

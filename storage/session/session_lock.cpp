@@ -78,7 +78,7 @@ Result<SessionLock> SessionLock::acquire(const std::filesystem::path& folder) {
     const std::filesystem::path path = folder / kLockFile;
     FileHandle file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
     if (!file.is_open()) return system_error("cannot open " + quoted(path), errno);
-    // A reader that is just opening may hold the lock for a moment.
+    // Guard: a reader that is just opening may hold the lock for a moment; half a second is waited.
     constexpr int kAttempts = 25;
     bool locked = false;
     for (int attempt = 0; attempt < kAttempts && !locked; ++attempt) {

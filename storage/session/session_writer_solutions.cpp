@@ -66,7 +66,7 @@ std::shared_ptr<const Reconstruction> SessionWriter::held_model(const SolutionKe
 }
 
 std::uint32_t SessionWriter::revision_to_change(const StoredSolution& solution) const {
-    /// Changes of more of the points are hardly smaller than the whole. Ours.
+    /// Guard: changes of more of the points are hardly smaller than the whole. Ours.
     constexpr double kMostChanged = 0.25;
     const auto known = state_.clusters.find(solution.cluster);
     if (!solution.model || !solution.succession || known == state_.clusters.end()) return 0;

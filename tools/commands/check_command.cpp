@@ -16,7 +16,7 @@
 namespace psfm {
 namespace {
 
-constexpr int kStoreDamaged = 4;
+constexpr int kStoreDamaged = 4;  // Format: an exit code
 
 int check(const std::string& session) {
     auto reader = open_session_reader(session, StoreOptions{});

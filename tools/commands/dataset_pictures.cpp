@@ -42,6 +42,7 @@ class MemoryBudget {
     };
 
   private:
+    // Guard: of pictures that are in memory at a time.
     static constexpr std::uint64_t kBytes = std::uint64_t{600} << 20U;
     std::mutex mutex_;
     std::condition_variable changed_;

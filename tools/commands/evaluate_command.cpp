@@ -19,6 +19,7 @@
 namespace psfm {
 namespace {
 
+/// Format: limits that papers on matching and SfM report areas for.
 constexpr std::array<double, 4> kAucLimitsDeg{1.0, 3.0, 5.0, 10.0};
 
 struct EvaluateArguments {

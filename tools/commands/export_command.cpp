@@ -27,7 +27,7 @@
 namespace psfm {
 namespace {
 
-constexpr int kUsageError = 2;
+constexpr int kUsageError = 2;  // Format: an exit code
 
 struct ExportArguments {
     std::string session;

@@ -135,7 +135,7 @@ class DatasetExport {
 
     void print() const {
         std::size_t shown = 0;
-        constexpr std::size_t kShown = 10;
+        constexpr std::size_t kShown = 10;  // Format: photographs in a message
         for (const std::string& reason : left_out_) {
             if (++shown <= kShown) std::cerr << "left out " << reason << '\n';
         }

@@ -17,7 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Farther off than this, a position is not about this place at all [m].
+/// Tunable: farther off than this, a position is not about this place at all [m]. Ours; only a
+/// warning depends on it.
 constexpr double kFarM = 1000.0;
 
 Json json_of(const Eigen::Vector3d& vector) {
@@ -165,7 +166,7 @@ std::string position_trouble(const std::optional<WorldReference>& reference,
     if (far.empty()) return {};
     std::string text = counted(far.size(), "position") + (far.size() == 1 ? " is" : " are") +
                        " more than a kilometre from where the photograph stands:";
-    constexpr std::size_t kShown = 3;
+    constexpr std::size_t kShown = 3;  // Format: names in a message
     for (std::size_t k = 0; k < std::min(kShown, far.size()); ++k) text += " " + far[k];
     return far.size() > kShown ? text + " …" : text;
 }

@@ -10,10 +10,10 @@
 namespace psfm {
 namespace {
 
-// Digits after the point: a millimetre on the ground.
+// Format: digits after the point: a millimetre on the ground.
 constexpr int kDegreeDigits = 8;
 constexpr int kMetreDigits = 3;
-// … and about a metre, for people.
+// Format: … and about a metre, for people.
 constexpr int kShortDegreeDigits = 5;
 
 }  // namespace

@@ -17,7 +17,7 @@
 namespace psfm {
 namespace {
 
-constexpr int kUsageError = 2;
+constexpr int kUsageError = 2;  // Format: an exit code
 
 struct ImportArguments {
     SessionArguments session;

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kUsageError = 2;
+constexpr int kUsageError = 2;  // Format: an exit code
 
 fs::path absolute(const std::string& path) {
     return fs::absolute(path).lexically_normal();

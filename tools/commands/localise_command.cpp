@@ -203,7 +203,7 @@ std::string text_of(const OpenSession& session, const PhotoFile& photo,
     }
     text << ", " << found->inliers << " inliers of " << found->correspondences << std::fixed
          << std::setprecision(2) << ", " << found->median_error_px << " px; sees";
-    constexpr std::size_t kShown = 3;
+    constexpr std::size_t kShown = 3;  // Format: names in a message
     for (std::size_t k = 0; k < std::min(kShown, found->images.size()); ++k)
         text << ' ' << session.images[index_of(found->images[k].image)].name;
     if (found->images.size() > kShown) text << " and " << found->images.size() - kShown << " more";
@@ -219,7 +219,7 @@ int run_localise(const LocaliseArguments& arguments) {
     Json all = Json::array();
     std::size_t localised = 0;
     std::size_t readable = 0;
-    // A few at a time, so that results come as they are found, and in order.
+    // Guard: a few at a time, so that results come as they are found, and in order.
     constexpr std::size_t kAtOnce = 8;
     for (std::size_t first = 0; first < photos->size(); first += kAtOnce) {
         const std::size_t count = std::min(kAtOnce, photos->size() - first);
@@ -247,7 +247,7 @@ int run_localise(const LocaliseArguments& arguments) {
         std::cout << localised << " of " << photos->size() << " localised\n";
     }
     std::cout << std::flush;
-    constexpr int kBadInput = 3;
+    constexpr int kBadInput = 3;  // Format: an exit code
     return readable == 0 ? kBadInput : 0;
 }
 

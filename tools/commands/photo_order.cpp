@@ -16,6 +16,7 @@ namespace {
 
 /// The next line, cut off when it is too long for a name: what is no order file may have no end.
 bool next_line(std::istream& stream, std::string& line) {
+    // Guard: a path of Linux and CR LF; there may be no end.
     constexpr std::size_t kLongestLine = 4096 + 2;
     line.clear();
     for (char c = 0; line.size() < kLongestLine && stream.get(c);) {

@@ -13,7 +13,8 @@
 namespace psfm {
 namespace {
 
-constexpr int kSecondsPerLine = 10;  // of what is no terminal: a log grows by some KB an hour
+/// Format: of what is no terminal: a log grows by some KB an hour.
+constexpr int kSecondsPerLine = 10;
 
 }  // namespace
 

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kStoreDamaged = 4;
+constexpr int kStoreDamaged = 4;  // Format: an exit code
 
 struct RepairArguments {
     std::string session;

@@ -42,7 +42,7 @@ Result<std::unique_ptr<Users>> users_of(const ServeArguments& arguments) {
 int add_user(const ServeArguments& arguments) {
     const auto users = users_of(arguments);
     if (!users.ok()) return report_error(users.error(), ErrorOrigin::kOtherInput);
-    constexpr double kSecondsOfADay = 86400.0;
+    constexpr double kSecondsOfADay = 86400.0;  // Mathematics: 24 hours of 3600 seconds
     const std::int64_t expires =
         arguments.days > 0.0
             ? std::time(nullptr) + static_cast<std::int64_t>(arguments.days * kSecondsOfADay)

@@ -55,7 +55,7 @@ std::string json_line(const Status& status, const std::string& session) {
 /// Cameras that several photographs share by what they show, and strange ones; the others are as
 /// EXIF has them.
 void print_cameras(const SessionFacts& facts) {
-    constexpr int kShown = 10;
+    constexpr int kShown = 10;  // Format: cameras that are listed
     int count = 0;
     for (const CameraReport& report : report_cameras(facts.scene, facts.images)) {
         if (!report.is_shared_by_data && report.remark.empty()) continue;

@@ -7,8 +7,8 @@
 namespace psfm {
 namespace {
 
-/// Fewer photographs than these say nothing about those to come: the first ones find nothing to be
-/// matched with.
+/// Guard: fewer photographs than these say nothing about those to come: the first ones find nothing
+/// to be matched with.
 constexpr std::size_t kFewest = 5;
 
 }  // namespace

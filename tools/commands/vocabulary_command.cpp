@@ -29,9 +29,10 @@
 namespace psfm {
 namespace {
 
-/// Fewer training descriptors a word leave words that describe one descriptor, not a kind of them.
+/// Tunable: fewer training descriptors a word leave words that describe one descriptor, not a kind
+/// of them. Ours.
 constexpr std::size_t kDescriptorsPerWord = 8;
-/// Photographs between two lines of progress; their features are in memory together.
+/// Guard: photographs between two lines of progress; their features are in memory together.
 constexpr std::size_t kBatch = 32;
 
 struct TrainArguments {

@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-/// The paper's rho_l,max: a pair that is farther off contradicts the model.
+/// Tunable: the paper's rho_l,max: a pair that is farther off contradicts the model.
 constexpr double kContradiction = radians_from_degrees(10.0);
 
 struct Placed {

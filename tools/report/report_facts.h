@@ -43,7 +43,7 @@ struct ResidualCell {
 
 /// One physical camera, as its photographs said and as clusters have found it.
 struct CameraFacts {
-    static constexpr int kColumns = 12, kRows = 9;
+    static constexpr int kColumns = 12, kRows = 9;  // Format: cells of a map of residuals
     CameraId id{};
     Camera before;
     std::vector<std::pair<ClusterId, Camera>> after;
@@ -75,8 +75,8 @@ struct ReportFacts {
     double circular_90_m = 0.0;              ///< 90 % of the positions are no farther off
     std::size_t positions = 0;
 
-    static constexpr double kErrorStepPx = 0.1;
-    static constexpr std::size_t kErrorBins = 40;
+    static constexpr double kErrorStepPx = 0.1;    // Format: of the histogram
+    static constexpr std::size_t kErrorBins = 40;  // Format: of the histogram
 };
 
 /// @param reference  where on the earth the version stands, if anywhere

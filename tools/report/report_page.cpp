@@ -13,6 +13,7 @@
 namespace psfm {
 namespace {
 
+/// Format: what a page has room for.
 constexpr std::size_t kMostEdges = 4000;  // drawn: 200 KB
 constexpr std::size_t kMostParts = 8;     // with plots of their own
 constexpr std::size_t kMostNames = 40;    // after a reason
@@ -192,6 +193,7 @@ const char* source_name(FocalSource source) {
 }
 
 std::string cameras(const ReportFacts& facts) {
+    // Format: what a page has room for.
     constexpr std::size_t kMostMaps = 12;
     constexpr std::size_t kMostRows = 100;
     std::string html = section(

@@ -12,6 +12,7 @@
 namespace psfm {
 namespace {
 
+/// Format: plots on the page [px].
 constexpr double kWide = 640.0;
 constexpr double kMostHigh = 480.0;
 constexpr int kLevels = 5;  // of grey, as classes l0 … l4
@@ -73,7 +74,7 @@ std::string coverage_plot(const PartFacts& part, const ReportFacts& facts) {
     const GroundFrame frame = GroundFrame::of(part);
     Svg svg(kWide, frame.height + 10,
             "Points from above, darker where there are more, and cameras");
-    constexpr double kCell = 6.0;
+    constexpr double kCell = 6.0;  // Format: side of a square of points [px]
     std::map<std::pair<int, int>, std::size_t> cells;
     for (const Eigen::Vector2d& point : part.points_above) {
         const Eigen::Vector2d place = frame(point);
@@ -141,7 +142,7 @@ std::string view_graph_plot(const PartFacts& part, const ReportFacts& facts, std
 }
 
 std::string match_matrix_plot(const ReportFacts& facts) {
-    constexpr std::size_t kMostCells = 120;
+    constexpr std::size_t kMostCells = 120;  // Format: squares along a side that can be told apart
     const std::size_t images = std::max<std::size_t>(facts.session.images.size(), 1);
     const std::size_t group = (images + kMostCells - 1) / kMostCells;
     const std::size_t cells = (images + group - 1) / group;
@@ -174,7 +175,7 @@ std::string match_matrix_plot(const ReportFacts& facts) {
 
 std::string residual_plot(const CameraFacts& camera) {
     const Camera& shape = camera.after.empty() ? camera.before : camera.after.front().second;
-    const double width = 420.0;
+    const double width = 420.0;  // Format: of a camera's map [px]
     const double height = width * shape.height / std::max(1U, shape.width);
     Svg svg(width, height, "Mean residuals over the photograph");
     const double cell_width = width / CameraFacts::kColumns;
@@ -225,7 +226,7 @@ std::string error_histogram_plot(const ReportFacts& facts) {
 }
 
 std::string track_length_plot(const ReportFacts& facts) {
-    constexpr std::uint32_t kMost = 30;
+    constexpr std::uint32_t kMost = 30;  // Format: longer tracks are in the last bar
     std::vector<double> values(kMost - 1, 0.0);
     std::vector<std::string> labels(kMost - 1);
     for (const auto& [length, points] : facts.track_lengths)

@@ -9,6 +9,7 @@
 namespace psfm {
 namespace {
 
+/// Format: a plot and its margins [px].
 constexpr double kWidth = 640.0;
 constexpr double kHeight = 220.0;
 constexpr double kLeft = 52.0, kRight = 12.0, kTop = 10.0, kBottom = 38.0;

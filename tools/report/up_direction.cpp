@@ -17,7 +17,7 @@ Eigen::Vector3d up_direction(const std::vector<const SceneCluster*>& clusters,
                   (image.cam_from_cluster.rotation.conjugate() * up_in_camera(orientation));
         }
     }
-    constexpr double kNothing = 1e-9;
+    constexpr double kNothing = 1e-9;  // Guard: what cannot be normalised
     return up.norm() < kNothing ? Eigen::Vector3d::UnitZ() : up.normalized();
 }
 

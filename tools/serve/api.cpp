@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kApi = "/api/v1";
 constexpr std::string_view kCookie = "psfm_token";
-constexpr std::size_t kMostJson = 4096;  // of a body: a token
+constexpr std::size_t kMostJson = 4096;  // Guard: of a body: a token
 
 HttpPlan at_once(HttpResponse response) {
     HttpPlan plan;
@@ -95,7 +95,7 @@ std::optional<HttpResponse> Api::stranger(const HttpRequest& head) const {
 }
 
 bool Api::may_try(const std::string& address) {
-    constexpr int kFailuresAMinute = 10;
+    constexpr int kFailuresAMinute = 10;  // Guard: of an address that tries tokens
     const std::lock_guard lock(mutex_);
     const std::int64_t minute = std::time(nullptr) / 60;
     std::erase_if(failures_, [&](const auto& entry) { return entry.second.minute != minute; });

@@ -79,7 +79,7 @@ std::string title_of(const HttpRequest& head) {
     std::string title;
     if (const auto name = head.query.find("name"); name != head.query.end()) title = name->second;
     std::erase_if(title, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
-    constexpr std::size_t kLongest = 200;
+    constexpr std::size_t kLongest = 200;  // Guard: bounds what a user may write
     if (title.size() > kLongest) title.resize(kLongest);
     return title;
 }

@@ -9,6 +9,7 @@
 namespace psfm {
 
 std::string gzipped(std::string_view bytes) {
+    // Format: the largest window of zlib, and its own defaults of memory and level.
     constexpr int kWindow = 15 + 16;  // 16: with gzip's header
     constexpr int kMemory = 8;
     constexpr int kLevel = 6;

@@ -25,7 +25,7 @@ struct PlacedCamera {
 using Cameras = std::map<ImageId, PlacedCamera>;
 
 void look_at_point(const SceneCluster& cluster, const ScenePoint& point, Cameras& cameras) {
-    constexpr std::size_t kAngles = 200;  // an image: their median is good to a few per cent
+    constexpr std::size_t kAngles = 200;  // Guard: an image: their median is good to a few per cent
     std::vector<std::pair<ImageId, Eigen::Vector3d>> rays;
     for (const Observation& observation : point.track) {
         const RegisteredImage* image = cluster.model->find(observation.image);

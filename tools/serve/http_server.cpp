@@ -34,7 +34,7 @@ using boost::system::error_code;
 using net::ip::tcp;
 using Parser = bhttp::request_parser<bhttp::buffer_body>;
 
-constexpr std::size_t kChunk = 64 * 1024;
+constexpr std::size_t kChunk = 64 * 1024;  // Guard: of a body that is in memory at a time
 auto into(error_code& error) {
     return net::redirect_error(net::use_awaitable, error);
 }

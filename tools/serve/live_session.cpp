@@ -81,7 +81,8 @@ void LiveSession::on_version(ScenePtr scene) {
 }
 
 void LiveSession::run() {
-    // While versions come every second or so, only what is seen is told; then the rest of it.
+    // Guard: while versions come every second or so, only what is seen is told; then the rest of
+    // it.
     constexpr double kSettledAfter = 3.0;
     Clock::time_point last = Clock::now();
     bool exact = true;

@@ -33,7 +33,7 @@ ordered_json images_json(const PageSession& session) {
 }
 
 ordered_json versions_json(const SessionFacts& facts) {
-    constexpr std::size_t kMost = 200;  // what happened lately
+    constexpr std::size_t kMost = 200;  // Format: what happened lately
     ordered_json versions = ordered_json::array();
     const std::size_t first = facts.versions.size() - std::min(facts.versions.size(), kMost);
     for (std::size_t i = first; i < facts.versions.size(); ++i) {
@@ -125,7 +125,7 @@ std::string tracks_bytes(const Scene& scene, const ShownScene& shown) {
 }
 
 Colour FeatureColours::operator()(const Observation& feature) {
-    constexpr Colour kGrey{128, 128, 128};
+    constexpr Colour kGrey{128, 128, 128};  // Format: a colour of what has none
     auto known = known_.find(feature.image);
     if (known == known_.end()) {
         const auto keypoints = session_->keypoints(feature.image);

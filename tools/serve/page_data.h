@@ -51,7 +51,7 @@ class FeatureColours {
     Colour operator()(const Observation& feature);
 
   private:
-    static constexpr std::size_t kImages = 64;  // of some 24 KB each
+    static constexpr std::size_t kImages = 64;  // Guard: of some 24 KB each
     const SessionReader* session_;
     std::map<ImageId, std::vector<Colour>> known_;
     std::vector<ImageId> order_;  // the oldest first

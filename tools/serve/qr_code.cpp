@@ -12,7 +12,7 @@ std::string qr_code(const std::string& text) {
     const std::unique_ptr<QRcode, decltype(&QRcode_free)> code(
         QRcode_encodeString8bit(text.c_str(), 0, QR_ECLEVEL_L), &QRcode_free);
     if (!code) return {};
-    constexpr int kQuiet = 2;  // light modules around it
+    constexpr int kQuiet = 2;  // Format: light modules around it
     const int width = code->width;
     const auto is_dark = [&](int x, int y) {
         return x >= 0 && y >= 0 && x < width && y < width &&

@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-constexpr double kMostTurn = 0.01;  // [rad]: half a degree is seen
+constexpr double kMostTurn = 0.01;  // Format: [rad]: half a degree is seen
 
 struct WorldPose {
     Eigen::Quaternionf cam_from_world;

@@ -44,7 +44,7 @@ bool forbid_writing(scmp_filter_ctx filter) {
 
 /// Threads are made with clone and CLONE_THREAD (0x10000); anything else would be a process.
 bool forbid_processes(scmp_filter_ctx filter) {
-    constexpr scmp_datum_t kThread = 0x10000;
+    constexpr scmp_datum_t kThread = 0x10000;  // Format: CLONE_THREAD of Linux
     // glibc goes on with clone where clone3, whose flags no filter can see, is not there.
     return seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0) == 0 &&
            seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), SCMP_SYS(clone), 1,
@@ -59,8 +59,8 @@ bool forbid_processes(scmp_filter_ctx filter) {
 bool enter_sandbox() {
     // Whatever the server had open at the moment: Boost 1.74 lets children inherit connections.
     if (close_range(STDERR_FILENO + 1, ~0U, 0) != 0) return false;
-    constexpr rlim_t kMemory = rlim_t{12} << 30U;  // of addresses: 200 megapixels are read
-    constexpr rlim_t kSeconds = 120;               // of the processor
+    constexpr rlim_t kMemory = rlim_t{12} << 30U;  // Guard: of addresses: 200 megapixels are read
+    constexpr rlim_t kSeconds = 120;               // Guard: of the processor
     if (!limit(RLIMIT_AS, kMemory) || !limit(RLIMIT_CPU, kSeconds) || !limit(RLIMIT_FSIZE, 0) ||
         !limit(RLIMIT_CORE, 0)) {
         return false;

@@ -32,10 +32,11 @@ namespace {
 
 using nlohmann::json;
 constexpr std::string_view kMagic = "PSX1";
+/// Guard: what a photograph may cost that was made to cost much.
 constexpr int kSeconds = 180;                                // on the clock
 constexpr std::size_t kMostOutput = std::size_t{64} << 20U;  // of 100,000 features
 constexpr std::size_t kMostFeatures = 100'000;
-constexpr int kThumbnailSide = 320;
+constexpr int kThumbnailSide = 320;  // Format: of the page [px]
 
 static_assert(std::is_trivially_copyable_v<Keypoint>);
 
@@ -221,7 +222,7 @@ Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::str
 std::optional<std::string> thumbnail_in_sandbox(const std::filesystem::path& photo) {
     auto output = output_of({"psfm", "decode-photograph", photo.string(), "--thumbnail"});
     constexpr std::string_view kJpeg = "\xff\xd8\xff";
-    constexpr std::size_t kMost = 1U << 20U;
+    constexpr std::size_t kMost = 1U << 20U;  // Guard: of bytes that a broken sandbox could send
     if (!output || !output->starts_with(kJpeg) || output->size() > kMost) return std::nullopt;
     return output;
 }
@@ -260,7 +261,7 @@ int sandboxed_thumbnail(const std::filesystem::path& photo) {
     cv::Mat small;
     cv::resize(decoded->colour, small, {}, scale, scale, cv::INTER_AREA);
     std::vector<std::uint8_t> jpeg;
-    constexpr int kQuality = 75;
+    constexpr int kQuality = 75;  // Format: of a thumbnail's JPEG
     if (!cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality})) return 1;
     write_all({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
     return 0;

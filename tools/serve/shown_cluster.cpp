@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kSample = 2000;  // of points, where a few say as much as all
+constexpr std::size_t kSample = 2000;  // Guard: of points, where a few say as much as all
 
 /// The box that holds all but the outermost per cent of each side, and a margin around it.
 struct NearBox {
@@ -128,7 +128,7 @@ void fit_frame(ShownCluster& shown, const Reconstruction& model) {
         pairs.emplace_back(pose->second.centre.cast<double>(),
                            image.cam_from_cluster.target_origin_in_source());
     }
-    constexpr std::size_t kFewest = 8;
+    constexpr std::size_t kFewest = 8;  // Guard: fewer determine no similarity that outliers spare
     if (pairs.size() >= kFewest) shown.cluster_from_shown = robust_similarity(pairs);
 }
 

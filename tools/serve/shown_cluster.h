@@ -31,7 +31,7 @@ struct ShownPoint {
     std::uint32_t born = 0;  ///< images of the session when a second one had seen it
     bool there = false;
 
-    static constexpr float kErrorStepPx = 0.02F;
+    static constexpr float kErrorStepPx = 0.02F;  // Format: 255 steps reach 5 px
 };
 
 /// A camera as watchers have it.

@@ -11,7 +11,8 @@
 namespace psfm {
 namespace {
 
-constexpr double kTurnPerTolerance = 2.0;  // [rad]: 0.005 of the extent are as much as 0.6 degrees
+/// Format: [rad]: 0.005 of the extent are as much as 0.6 degrees.
+constexpr double kTurnPerTolerance = 2.0;
 
 std::uint32_t number_of(ClusterId id) {
     return index_of(id);
@@ -103,7 +104,7 @@ void ShownScene::hand_over(ClusterId from, Cluster& source, ClusterId to, Cluste
     for (const RegisteredImage& image : model.images) {
         if (source.poses.contains(image.image)) images.push_back(image.image);
     }
-    constexpr std::size_t kFewest = 8;
+    constexpr std::size_t kFewest = 8;   // Guard: fewer determine no similarity
     if (slots.size() < kFewest) return;  // dropped here and put there
     const Sim3 target_from_source = robust_similarity(pairs);
     std::ranges::sort(slots);

@@ -45,7 +45,7 @@ bool sync_folder(const fs::path& folder) {
 
 /// Appended and on the disk, or the file is as long as it was.
 bool append_durably(const fs::path& file, const std::string& line) {
-    constexpr mode_t kOwnerOnly = 0600;
+    constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
     const int descriptor =
         ::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, kOwnerOnly);
     if (descriptor < 0) return false;
@@ -126,7 +126,7 @@ class UploadSink final : public BodySink {
             const fs::path part = store_->part_of(offer_.user, offer_.sha256);
             std::error_code ignored;
             fs::create_directories(part.parent_path(), ignored);
-            constexpr mode_t kOwnerOnly = 0600;
+            constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
             descriptor_ = ::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kOwnerOnly);
             if (descriptor_ < 0) return stop(disk_problem(errno));
         }

@@ -19,8 +19,9 @@ namespace psfm {
 namespace {
 
 using nlohmann::ordered_json;
+/// Guard: 256 bits cannot be guessed.
 constexpr std::size_t kTokenBytes = 32;
-constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kLongestName = 64;  // Guard: of what a page shows
 
 std::int64_t stamp_of_file(const std::filesystem::path& file) {
     struct stat status {};
@@ -121,7 +122,7 @@ Result<void> Users::write() const {
                                  1, ' ', false, ordered_json::error_handler_t::replace) +
                              "\n";
     const std::string part = file_.string() + ".part";
-    constexpr mode_t kOwnerOnly = 0600;
+    constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
     const int descriptor =
         ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kOwnerOnly);
     const bool written =

@@ -10,7 +10,7 @@
 namespace psfm {
 namespace {
 
-constexpr float kSteps = 65535.F;
+constexpr float kSteps = 65535.F;  // Format: the largest of 16 bits
 
 /// Every third bit.
 std::uint32_t spread(std::uint32_t value) {

@@ -8,7 +8,7 @@ namespace psfm {
 
 void coupling_kernel_avx512(const double* cross, const double* scaled, double* values,
                             std::size_t stride) {
-    constexpr __mmask8 kSix = 0x3F;  // a column in one register
+    constexpr __mmask8 kSix = 0x3F;  // Format: a column in one register
     const __m512d first = _mm512_maskz_loadu_pd(kSix, cross);
     const __m512d second = _mm512_maskz_loadu_pd(kSix, cross + 6);
     const __m512d third = _mm512_maskz_loadu_pd(kSix, cross + 12);

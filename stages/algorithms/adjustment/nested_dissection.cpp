@@ -12,9 +12,10 @@
 namespace psfm {
 namespace {
 
-/// Parts of so few nodes are not divided further. Ours: from 16 to 128 the fill is the same.
+/// Guard: parts of so few nodes are not divided further. Ours: from 16 to 128 the fill is the same.
 constexpr std::size_t kSmallPart = 32;
-/// Separators that leave more than this part of the nodes on one side count for worse. Ours.
+/// Guard: separators that leave more than this part of the nodes on one side count for worse. Ours:
+/// the fill depends on it, not the solution.
 constexpr double kBalanced = 0.7;
 
 constexpr std::uint32_t kNotReached = std::numeric_limits<std::uint32_t>::max();
@@ -91,7 +92,7 @@ class Dissection {
             const std::size_t after = by_level.size() - before - sizes[level];
             const double larger_side =
                 static_cast<double>(std::max(before, after)) / static_cast<double>(by_level.size());
-            constexpr double kPenalty = 20.0;
+            constexpr double kPenalty = 20.0;  // Guard: as kBalanced; ours
             const double cost = static_cast<double>(sizes[level]) *
                                 (1.0 + kPenalty * std::max(0.0, larger_side - kBalanced));
             if (cost < least) {

@@ -13,8 +13,8 @@
 
 namespace psfm {
 
-/// Parameter blocks of bundle adjustment: pose (quaternion x y z w, translation), point, intrinsics
-/// (Camera::params).
+/// Format: parameter blocks of bundle adjustment: pose (quaternion x y z w, translation), point,
+/// intrinsics (Camera::params).
 constexpr int kPoseSize = 7;
 constexpr int kPointSize = 3;
 constexpr int kIntrinsicsSize = 8;

@@ -14,7 +14,7 @@
 namespace psfm {
 namespace {
 
-/// Columns of a tile at most. Raised: products of tiles come nearer to the processor's peak;
+/// Guard: columns of a tile at most. Raised: products of tiles come nearer to the processor's peak;
 /// lowered: less of what is zero is computed. Ours: dense systems take as long with 96 as with 192,
 /// those of streets four fifths.
 constexpr std::size_t kTileColumns = 96;

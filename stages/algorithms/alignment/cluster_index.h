@@ -33,7 +33,7 @@ class ClusterIndex {
     const Reconstruction* model_;
     KdTree centres_;
     std::vector<double> neighbor_distances_;
-    static constexpr std::uint32_t kNotAsked = 0xFFFFFFFFU;
+    static constexpr std::uint32_t kNotAsked = 0xFFFFFFFFU;  // Format: says that there is none
     /// Of an image among those asked for.
     std::uint32_t place_of(ImageId image) const;
 

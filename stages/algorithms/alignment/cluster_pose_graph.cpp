@@ -155,12 +155,12 @@ Start start_from_tree(std::span<const PoseGraphEdge> edges, const std::vector<st
 /// How near to the optimum: near enough to see which constraints are bad, or as near as may be.
 enum class Precision : std::uint8_t { kRough, kFull };
 
-/// Of kRough. Raised: slower; lowered: good constraints look bad that have not come to rest yet.
-/// Ours, tuned on merge_bench with copied facades.
+/// Tunable: of kRough. Raised: slower; lowered: good constraints look bad that have not come to
+/// rest yet. Ours, tuned on merge_bench with copied facades.
 constexpr std::uint32_t kRoughIterations = 10;
 constexpr double kRoughTolerance = 1e-3;
-/// Of kFull: damping at the start would only hold it back, since it begins near the optimum. Three
-/// iterations instead of nine on merge_bench. Ours.
+/// Guard: of kFull: damping at the start would only hold it back, since it begins near the optimum.
+/// Three iterations instead of nine on merge_bench. Ours.
 constexpr double kUndamped = 1e8;
 
 void optimize(std::span<const PoseGraphEdge> edges, const std::vector<bool>& used, Start& start,

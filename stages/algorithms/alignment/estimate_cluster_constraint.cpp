@@ -37,7 +37,8 @@ std::vector<EdgeCorrespondences> strongest_edges(const ClusterIndex& a, const Cl
     return edges;
 }
 
-/// Similarities of single edges that the final one may start from, those of the strongest edges.
+/// Tunable: similarities of single edges that the final one may start from, those of the strongest
+/// edges. Ours.
 constexpr std::size_t kCandidates = 10;
 
 bool interleaves(const ClusterIndex& a, const ClusterIndex& b, const Sim3& b_from_a,

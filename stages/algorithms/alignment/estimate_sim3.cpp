@@ -47,7 +47,7 @@ Result<Sim3> estimate_sim3(std::span<const Eigen::Vector3d> source,
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                                 Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Eigen::Vector3d& values = svd.singularValues();
-    // The second value vanishes when either side is a line or a point.
+    // Guard: the second value vanishes when either side is a line or a point.
     constexpr double kLine = 1e-10;
     if (!(values[1] > kLine * values[0])) {
         return Error{ErrorCode::kDegenerate, "similarity: the points lie on one line"};

@@ -8,9 +8,9 @@
 namespace psfm {
 namespace {
 
-/// Cameras of a model that are asked at most: of more only every so many-th is. With a thousand the
-/// similarity is known to a hundredth or so, and what an edge between two large models costs does
-/// not grow with them. Ours.
+/// Guard: cameras of a model that are asked at most: of more only every so many-th is. With a
+/// thousand the similarity is known to a hundredth or so, and what an edge between two large models
+/// costs does not grow with them. Ours.
 constexpr std::size_t kMostAsked = 1000;
 
 /// Where the source's image is in the target's model, too: until a cluster that lost an image is

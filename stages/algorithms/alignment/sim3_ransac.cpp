@@ -14,7 +14,7 @@
 namespace psfm {
 namespace {
 
-/// Least squares on inliers: often enough to settle, seldom more than three times.
+/// Guard: least squares on inliers: often enough to settle, seldom more than three times.
 constexpr int kLocalSteps = 4;
 
 /// Weight of a correspondence in least squares over positions: a shift sideways counts as it would

@@ -15,7 +15,7 @@
 namespace psfm {
 namespace {
 
-/// Squared lengths [smallest length of the start] below which a direction is not defined.
+/// Guard: squared lengths [smallest length of the start] below which a direction is not defined.
 constexpr double kMinSquaredLength = 1e-16;
 
 struct ChordCost {

@@ -17,14 +17,15 @@ namespace {
 // threads.
 using Factor = Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
 
-/// Over-relaxation of ADMM; 1.5 to 1.8 are customary (Boyd et al. 2011, sec. 3.4.3).
+/// Guard: over-relaxation of ADMM, which converges for any below 2; 1.5 to 1.8 are customary (Boyd
+/// et al. 2011, sec. 3.4.3).
 constexpr double kRelaxation = 1.6;
-/// Inverse penalty in parts of the median error: what is shrunk to nothing in one iteration. The
-/// errors get smaller by orders of magnitude from one linearisation to the next, so it is set anew
-/// for each.
+/// Guard: inverse penalty in parts of the median error: what is shrunk to nothing in one iteration.
+/// The errors get smaller by orders of magnitude from one linearisation to the next, so it is set
+/// anew for each.
 constexpr double kShrinkage = 1.0;
-constexpr std::uint32_t kCheckInterval = 10;
-/// Residuals at which ADMM ends, in parts of the largest step of the linearisation before.
+constexpr std::uint32_t kCheckInterval = 10;  // Guard: of time; checking costs an iteration
+/// Guard: residuals at which ADMM ends, in parts of the largest step of the linearisation before.
 constexpr double kInexactness = 0.01;
 
 /// Least absolute deviations by ADMM (ibid., sec. 6.1) for min sum_e w_e |(A x)_e - b_e|, with z =

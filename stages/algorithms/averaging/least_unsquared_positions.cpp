@@ -8,11 +8,11 @@
 namespace psfm {
 namespace {
 
-/// Deviations below this are squared after all [smallest length allowed]: keeps the cost smooth and
-/// the weights finite.
+/// Guard: deviations below this are squared after all [smallest length allowed]: keeps the cost
+/// smooth and the weights finite.
 constexpr double kSmoothing = 1e-3;
-/// Weight of every node's coordinates, in parts of the mean over the nodes of what holds them:
-/// where the directions leave a node free (on a line, say), it stays where it is.
+/// Guard: weight of every node's coordinates, in parts of the mean over the nodes of what holds
+/// them: where the directions leave a node free (on a line, say), it stays where it is.
 constexpr double kDamping = 1e-8;
 
 /// An edge at given positions.

@@ -16,11 +16,12 @@
 namespace psfm {
 namespace {
 
-/// With 16, a length that is known to 1 relative to another passes for known to 0.3 with a
-/// probability below 1e-6 (chi-squared with 16 degrees of freedom).
+/// Mathematics: with 16, a length that is known to 1 relative to another passes for known to 0.3
+/// with a probability below 1e-6 (chi-squared with 16 degrees of freedom).
 constexpr Eigen::Index kDraws = 16;
-constexpr std::uint64_t kSeed = 0x1d5f;
-/// Standard deviation of the prior, in median lengths of the edges: nothing is known beforehand.
+constexpr std::uint64_t kSeed = 0x1d5f;  // Guard: any; the same draws on every run
+/// Guard: standard deviation of the prior, in median lengths of the edges: nothing is known
+/// beforehand.
 constexpr double kPriorSigma = 10.0;
 
 Eigen::Vector3d normal3(RandomNumbers& random) {

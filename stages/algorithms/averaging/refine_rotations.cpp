@@ -15,8 +15,8 @@ namespace {
 /// By supernodes: the graph of a cluster is dense, and OpenBLAS is faster than a loop.
 using Factor = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
 
-/// Edges are never let go altogether: the normal matrix stays definite, and an edge that fits after
-/// all comes back.
+/// Guard: edges are never let go altogether: the normal matrix stays definite, and an edge that
+/// fits after all comes back.
 constexpr double kLeastWeight = 1e-6;
 
 }  // namespace

@@ -12,10 +12,11 @@
 namespace psfm {
 namespace {
 
-constexpr auto kUnseen = static_cast<std::uint32_t>(-1);
+constexpr auto kUnseen = static_cast<std::uint32_t>(-1);  // Format: says that there is none
 
-/// An edge's vote counts weight^3: many weaker edges outvote a strong one, but not as many as there
-/// are where half of all edges are wrong and agree (tuned on a simulated temple and quad-streams).
+/// Tunable: an edge's vote counts weight^3: many weaker edges outvote a strong one, but not as many
+/// as there are where half of all edges are wrong and agree (tuned on a simulated temple and
+/// quad-streams).
 constexpr double kVotePower = 3.0;
 
 /// Parts of the graph that have been joined, each in a reference frame of its own.
@@ -90,6 +91,7 @@ class JoinedParts {
 
     /// The mean of the votes that agree with the one that most weight agrees with.
     static Eigen::Quaterniond consensus(const std::vector<Vote>& votes, double max_rad) {
+        // Guard: time grows with its product with the votes.
         constexpr std::size_t kCandidates = 64;
         const auto agrees = [&](const Vote& vote, const Eigen::Quaterniond& with) {
             return vote.large_from_small.angularDistance(with) <= max_rad;

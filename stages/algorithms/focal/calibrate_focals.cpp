@@ -16,7 +16,7 @@
 namespace psfm {
 namespace {
 
-/// A common focal length is expected near 1.2 times the longer side (COLMAP's
+/// Tunable: a common focal length is expected near 1.2 times the longer side (COLMAP's
 /// default_focal_length_factor), so vaguely that one good pair overrules it.
 constexpr double kExpectedRelativeFocal = 1.2;
 constexpr double kExpectedDeviation = 0.7;

@@ -8,7 +8,8 @@
 namespace psfm {
 namespace {
 
-/// Above this triangulation angle [deg] a wider one tells no more of the focal length (ours).
+/// Tunable: above this triangulation angle [deg] a wider one tells no more of the focal length
+/// (ours).
 constexpr double kWideAngleDeg = 20.0;
 
 double longer_side(const Camera& camera) {

@@ -19,10 +19,10 @@ using Matrix52d = Eigen::Matrix<double, 5, 2>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
-/// A step changes no logarithm of a focal length by more than this: further off, the linearisation
-/// is void.
+/// Guard: a step changes no logarithm of a focal length by more than this: further off, the
+/// linearisation is void.
 constexpr double kLargestStep = 0.3;
-constexpr double kCostTolerance = 1e-6;
+constexpr double kCostTolerance = 1e-6;  // Guard: ends the loop
 
 /// What turns a step of the focal lengths into a step of a pair's pose.
 struct PoseStep {

@@ -10,10 +10,11 @@
 namespace psfm {
 namespace {
 
-/// Steps of about 3 %: below the width of the votes of real pairs.
+/// Guard: steps of about 3 %: below the width of the votes of real pairs. The peak is found between
+/// them.
 constexpr int kSteps = 88;
 
-/// Full width at half maximum of a Gaussian, over its standard deviation.
+/// Mathematics: full width at half maximum of a Gaussian, over its standard deviation.
 constexpr double kWidthOverDeviation = 2.3548;
 
 double votes_at(std::span<const FocalPair> pairs, double log_focal, double width) {

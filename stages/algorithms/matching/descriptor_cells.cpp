@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::size_t kSize = Descriptors::kSize;
 constexpr std::size_t kGroupColumns = kStripColumns * kStripGroup;
-/// Keys of so many rows are written at a time: they stay in the cache until they are read.
+/// Guard: keys of so many rows are written at a time: they stay in the cache until they are read.
 constexpr std::size_t kRowsAtOnce = 256;
-/// Cells whose keys fit one block of a kernel's positions.
+/// Guard: cells whose keys fit one block of a kernel's positions.
 constexpr std::size_t kMaxCells = 255 * kStripColumns;
 
 /// Every so many-th row, so many that k-means looks at 16 a cell or all.

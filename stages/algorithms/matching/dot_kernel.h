@@ -10,11 +10,12 @@
 
 namespace psfm {
 
-/// Descriptors::kSize, repeated so that code compiled for one processor includes no Eigen.
+/// Format: Descriptors::kSize, repeated so that code compiled for one processor includes no Eigen.
 inline constexpr std::size_t kDescriptorBytes = 128;
-/// Columns that lie side by side in the packed form: one 512-bit register of 32-bit sums.
+/// Format: columns that lie side by side in the packed form: one 512-bit register of 32-bit sums.
 inline constexpr std::size_t kStripColumns = 16;
-/// Strips are padded with empty ones to a multiple of this, the widest register tile of any kernel.
+/// Format: strips are padded with empty ones to a multiple of this, the widest register tile of any
+/// kernel.
 inline constexpr std::size_t kStripGroup = 3;
 
 /// 16 columns: 32 times (4 bytes of each of the 16), every byte minus 128 as a signed number.
@@ -80,7 +81,7 @@ struct DotKernelOutput {
 /// Thread-safe for distinct outputs.
 using DotKernel = void (*)(const DotKernelInput&, const DotKernelOutput&);
 
-/// What the keys of a row are counted in: squared distances times this.
+/// Format: what the keys of a row are counted in: squared distances times this.
 inline constexpr std::int32_t kKeyUnit = 256;
 
 /// The keys of all columns for each row that takes part, strip_count(column_count) strips a row,

@@ -11,6 +11,7 @@ namespace {
 /// place to 16 bits instead, the even and the odd ones apart, and multiplied by vpmaddwd, which is
 /// exact.
 struct Avx2Isa {
+    /// Format: 32-bit lanes of a register, and a tile whose sums fit the registers.
     static constexpr std::size_t kLanes = 8;
     static constexpr std::size_t kTileRows = 4;
     static constexpr std::size_t kTileStrips = 1;

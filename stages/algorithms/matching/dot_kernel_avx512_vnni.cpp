@@ -10,6 +10,7 @@ namespace {
 /// 24 sums, 3 packed columns and one broadcast row: 28 of the 32 registers. vpdpbusd adds four
 /// products unsigned byte * signed byte to each 32-bit lane, without saturation.
 struct Avx512VnniIsa {
+    /// Format: 32-bit lanes of a register, and a tile whose sums fit the registers.
     static constexpr std::size_t kLanes = 16;
     static constexpr std::size_t kTileRows = 8;
     static constexpr std::size_t kTileStrips = 3;

@@ -10,6 +10,7 @@ namespace {
 /// vpdpbusd in its 256-bit form, for processors without AVX-512. 8 sums, 2 halves of a strip of
 /// columns and one broadcast row: 11 of the 16 registers.
 struct AvxVnniIsa {
+    /// Format: 32-bit lanes of a register, and a tile whose sums fit the registers.
     static constexpr std::size_t kLanes = 8;
     static constexpr std::size_t kTileRows = 4;
     static constexpr std::size_t kTileStrips = 1;

@@ -25,6 +25,7 @@
 namespace psfm {
 namespace {
 
+/// Guard: positions within a block fit a key's bits, and what is in use the caches.
 constexpr std::size_t kBlockStrips =
     255;  ///< of one block of columns; fits 8 bits, multiple of kStripGroup
 constexpr std::size_t kBlockRows = 256;

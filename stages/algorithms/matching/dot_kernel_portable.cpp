@@ -7,6 +7,7 @@ namespace {
 
 /// Plain C++ over arrays; compilers turn the lane loops into whatever the baseline processor has.
 struct PortableIsa {
+    /// Format: lanes of a strip's columns, and a tile that compilers keep in registers.
     static constexpr std::size_t kLanes = 16;
     static constexpr std::size_t kTileRows = 2;
     static constexpr std::size_t kTileStrips = 1;

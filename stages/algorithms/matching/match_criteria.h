@@ -26,7 +26,8 @@ class MatchCriteria {
         return second == kNoDistance || best < max_squared_ratio_ * squared(second, own_norm);
     }
 
-    /// RootSIFT bytes of a descriptor of length 1 have Euclidean length 512 (graph/image.h).
+    /// Format: RootSIFT bytes of a descriptor of length 1 have Euclidean length 512
+    /// (graph/image.h).
     static constexpr double kUnit = 512.0;
 
   private:

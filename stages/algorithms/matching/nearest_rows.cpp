@@ -16,7 +16,7 @@ std::vector<std::uint32_t> nearest_rows(std::span<const std::uint8_t> rows,
                                         const PackedDescriptors& others) {
     constexpr std::size_t kSize = Descriptors::kSize;
     constexpr std::size_t kBlockRows =
-        4096;  // half a megabyte: a block and its results fit the L2 cache
+        4096;  // Guard: half a megabyte: a block and its results fit the L2 cache
     const std::size_t count = rows.size() / kSize;
     if (count <= kBlockRows) return nearest_descriptors(rows, others);
     std::vector<std::uint32_t> nearest(count);

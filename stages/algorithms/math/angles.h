@@ -6,8 +6,8 @@
 
 namespace psfm {
 
-// A product with a factor and the functions differ in the last bit for some angles; both are here,
-// so that a caller who had the one keeps it, and results stay what they are.
+// Mathematics: a product with a factor and the functions differ in the last bit for some angles;
+// both are here, so that a caller who had the one keeps it, and results stay what they are.
 inline constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 

@@ -13,9 +13,9 @@
 namespace psfm {
 namespace {
 
-/// Deviations count as noise below this [rad]: a tenth of a pixel at f = 1000 px.
+/// Guard: deviations count as noise below this [rad]: a tenth of a pixel at f = 1000 px.
 constexpr double kMinScale = 1e-4;
-constexpr int kIterations = 20;
+constexpr int kIterations = 20;  // Guard: ends the loop
 
 double median_deviation(const std::vector<Eigen::Vector3d>& normals,
                         const Eigen::Vector3d& direction) {

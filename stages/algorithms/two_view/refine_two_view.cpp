@@ -34,7 +34,7 @@ struct OrthonormalF {
 
 /// What the minimiser below asks of a model: its matrix, d vec(matrix) / d parameters, and a step.
 struct PoseModel {
-    static constexpr int kParameters = 5;
+    static constexpr int kParameters = 5;  // Mathematics: rotation and direction
     const IntrinsicPair* intrinsics;
     Rigid3 pose;
 
@@ -46,7 +46,7 @@ struct PoseModel {
 };
 
 struct FundamentalModel {
-    static constexpr int kParameters = 7;
+    static constexpr int kParameters = 7;  // Mathematics: nine of a matrix, less scale and rank
     OrthonormalF f;
 
     Eigen::Matrix3d matrix() const { return f.matrix(); }

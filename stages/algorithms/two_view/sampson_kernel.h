@@ -9,7 +9,7 @@
 namespace psfm {
 
 /// Squared gradient below which a correspondence says nothing: both points are on the epipoles.
-inline constexpr double kTinySampsonGradient = 1e-30;
+inline constexpr double kTinySampsonGradient = 1e-30;  // Guard: it is divided by
 
 /// Sums over correspondences that make up a SampsonSystem.
 struct SampsonSums {

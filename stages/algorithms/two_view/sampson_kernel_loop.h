@@ -12,7 +12,7 @@
 namespace psfm {
 namespace {
 
-/// Blocks whose factors of the cost are multiplied before their logarithm is taken. Raised:
+/// Guard: blocks whose factors of the cost are multiplied before their logarithm is taken. Raised:
 /// overflow where errors are absurd.
 constexpr std::size_t kBlocksPerLogarithm = 4;
 

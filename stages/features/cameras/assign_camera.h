@@ -44,7 +44,7 @@ std::string camera_kind(CameraSharing sharing, const PhotoMetadata& metadata);
 
 /// Focal length when nothing is known, over the longer side: 45 degrees of view, between a phone's
 /// main camera (about 0.75) and portrait lenses. Source: COLMAP 3.8, default_focal_length_factor.
-inline constexpr double kUnknownFocalFactor = 1.2;
+inline constexpr double kUnknownFocalFactor = 1.2;  // Tunable: COLMAP's, as said above
 
 /// SIMPLE_RADIAL without distortion, centred principal point, focal length from EXIF (kExif) or a
 /// guess (kUnknown), which is EXIF's where that is vague. REQUIRES: width, height > 0. Thread-safe.

@@ -12,6 +12,7 @@
 namespace psfm {
 namespace {
 
+/// Mathematics: what "35 mm equivalent" is defined by.
 constexpr double kFilmWidthMm = 36.0;
 const double kFilmDiagonalMm = std::hypot(36.0, 24.0);
 
@@ -45,7 +46,7 @@ std::optional<double> from_film_equivalent(const ExifTags& tags, const Original&
 std::optional<double> from_focal_plane(const ExifTags& tags, const Original& original) {
     if (!tags.focal_mm || !tags.focal_plane_x_per_mm) return std::nullopt;
     const double x_per_mm = *tags.focal_plane_x_per_mm;
-    // The two axes differ by a fraction of a per cent in real cameras; by more, the tags are
+    // Guard: the two axes differ by a fraction of a per cent in real cameras; by more, the tags are
     // broken.
     constexpr double kLargestDisagreement = 0.1;
     const double y_per_mm = tags.focal_plane_y_per_mm.value_or(x_per_mm);
@@ -73,7 +74,9 @@ bool is_possible(double focal_px, double width, double height) {
 /// Whether a photograph has a shape that cameras give it: 1:1, 5:4, 4:3, 3:2, 16:10, 16:9, 17:9, or
 /// one of the long ones of phones.
 bool has_camera_shape(double width, double height) {
+    // Tunable: ours; sizes are whole multiples of 8 or 16 pixels, and cropping by less is not seen.
     constexpr double kTolerance = 0.015;
+    // Format: shapes of sensors and screens.
     constexpr std::array<double, 12> kShapes{1.0,       5.0 / 4,  4.0 / 3,  3.0 / 2,
                                              16.0 / 10, 16.0 / 9, 17.0 / 9, 2.0,
                                              18.5 / 9,  19.5 / 9, 20.0 / 9, 21.0 / 9};
@@ -96,7 +99,7 @@ std::optional<double> zoomed(std::optional<double> focal_px, const ExifTags& tag
 FocalPrior focal_prior(const ExifTags& tags, std::uint32_t width, std::uint32_t height,
                        FilmEquivalent film) {
     if (width == 0 || height == 0) return {};
-    constexpr double kHardlyZoomed = 1.01;
+    constexpr double kHardlyZoomed = 1.01;  // Guard: rounding; less changes no focal length
     const Original original = original_of(tags, width, height);
     const bool is_zoomed = tags.digital_zoom > kHardlyZoomed;
     const bool is_cropped = !has_camera_shape(original.width, original.height);

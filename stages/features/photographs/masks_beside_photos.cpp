@@ -61,7 +61,7 @@ fs::path root_of(const PhotoFile& photo) {
 
 /// Hardly a pixel is anything between.
 bool is_black_and_white(const fs::path& file) {
-    constexpr double kMostBetween = 0.05;  // edges, and what compression adds. Ours.
+    constexpr double kMostBetween = 0.05;  // Tunable: edges, and what compression adds. Ours.
     try {
         const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
         if (grey.empty()) return false;

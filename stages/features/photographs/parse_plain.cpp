@@ -50,6 +50,7 @@ struct TiffView {
     }
 };
 
+/// Format: tags of TIFF 6.0.
 constexpr std::uint32_t kWidthTag = 256;
 constexpr std::uint32_t kHeightTag = 257;
 constexpr std::uint32_t kStripOffsetsTag = 273;
@@ -132,7 +133,7 @@ PhotoContainer parse_pnm(std::span<const std::uint8_t> bytes) {
                 ++position;
             }
         }
-        constexpr std::uint64_t kLimit = 1'000'000'000;
+        constexpr std::uint64_t kLimit = 1'000'000'000;  // Guard: of digits without end
         std::uint64_t number = 0;
         for (; view.u8(position) >= '0' && view.u8(position) <= '9'; ++position) {
             number = std::min(kLimit, number * 10 + (view.u8(position) - std::uint64_t{'0'}));

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array kMaskExtensions{".png"sv, ".PNG"sv,  ".jpg"sv, ".JPG"sv,  ".jpeg"sv, ".tif"sv,
                                      ".TIF"sv, ".tiff"sv, ".bmp"sv, ".webp"sv, ".pgm"sv};
-/// Masks are no larger than photographs: ReadPhotoOptions has the reasons.
+/// Guard: masks are no larger than photographs: ReadPhotoOptions has the reasons.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1200} << 20U;
 
 Error unreadable(const fs::path& file, const std::string& reason) {
@@ -44,7 +44,7 @@ cv::Mat grey_of(const cv::Mat& picture) {
 }
 
 bool has_proportions(const cv::Size& mask, double width, double height) {
-    constexpr double kSame = 0.01;  // rounded sizes of reduced masks. Ours.
+    constexpr double kSame = 0.01;  // Guard: rounded sizes of reduced masks. Ours.
     return std::abs(mask.width * height / (mask.height * width) - 1.0) <= kSame;
 }
 

@@ -63,7 +63,7 @@ std::optional<double> positive(const Exiv2::ExifData& data, const char* key) {
 
 /// Text up to the first zero byte, trimmed, on one line, valid UTF-8.
 std::string text(const Exiv2::ExifData& data, const char* key) {
-    constexpr std::size_t kMaxLength = 64;
+    constexpr std::size_t kMaxLength = 64;  // Guard: bounds what a file may say
     const auto found = data.findKey(Exiv2::ExifKey(key));
     if (found == data.end() || found->typeId() != Exiv2::asciiString) return {};
     std::string value = found->toString();
@@ -124,8 +124,8 @@ std::optional<GpsPosition> gps_position(const Exiv2::ExifData& data) {
     }
     if (*latitude == 0.0 && *longitude == 0.0) return std::nullopt;
     GpsPosition position{*latitude, *longitude, std::nullopt};
-    constexpr double kDeepest = -12'000.0;  // [m] below any ocean floor
-    constexpr double kHighest = 50'000.0;   // [m] above any balloon
+    constexpr double kDeepest = -12'000.0;  // Guard: [m] below any ocean floor
+    constexpr double kHighest = 50'000.0;   // Guard: [m] above any balloon
     if (auto altitude = number(data, "Exif.GPSInfo.GPSAltitude")) {
         if (number(data, "Exif.GPSInfo.GPSAltitudeRef").value_or(0.0) == 1.0) altitude = -*altitude;
         if (*altitude > kDeepest && *altitude < kHighest) position.altitude_m = altitude;

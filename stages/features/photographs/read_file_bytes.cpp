@@ -71,7 +71,7 @@ Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::u
                           "is a pipe, socket or device, not a photograph; give an ordinary file");
     }
 
-    // Some files (in /proc, on network disks) are longer than they say: read until the end.
+    // Guard: some files (in /proc, on network disks) are longer than they say: read until the end.
     constexpr std::size_t kStep = std::size_t{1} << 20U;
     const std::string too_long =
         "is longer than " + std::to_string(max_bytes >> 20U) + " MiB; reduce it";

@@ -46,7 +46,7 @@ std::optional<std::string> size_fault(const PhotoSize& size, const ReadPhotoOpti
 }
 
 std::string first_bytes(const std::vector<std::uint8_t>& bytes) {
-    constexpr std::size_t kShown = 12;
+    constexpr std::size_t kShown = 12;  // Format: bytes in a message
     return printable({reinterpret_cast<const char*>(bytes.data()), std::min(kShown, bytes.size())});
 }
 

@@ -83,9 +83,9 @@ Fields values(std::span<const std::uint8_t> signature) {
 }  // namespace
 
 bool may_be_copy(const Glance& small, const Glance& large) {
-    /// Larger ones are another version of the photograph rather than a preview. Ours.
+    /// Tunable: larger ones are another version of the photograph rather than a preview. Ours.
     constexpr double kLargestPart = 0.8;
-    /// Sizes of previews are rounded: by a pixel of 64 at most. Ours.
+    /// Guard: sizes of previews are rounded: by a pixel of 64 at most. Ours.
     constexpr double kSameProportions = 0.02;
     const auto [small_width, small_height] = upright_size(small);
     const auto [large_width, large_height] = upright_size(large);
@@ -97,8 +97,8 @@ bool may_be_copy(const Glance& small, const Glance& large) {
 }
 
 bool is_reduced_copy(const Glance& small, const Glance& large) {
-    // All ours: picture_signature_test. Copies differ by reducing and compressing only; of views
-    // from places a step apart, details are where others were.
+    // Tunable: all ours: picture_signature_test. Copies differ by reducing and compressing only; of
+    // views from places a step apart, details are where others were.
     constexpr double kLeastCorrelation = 0.985;
     constexpr double kLeastInDetails = 0.9;
     constexpr double kLeastContrast = 8.0;  // [grey values], standard deviation

@@ -7,7 +7,7 @@
 
 namespace psfm {
 
-/// Fields of a picture_signature a side.
+/// Format: fields of a picture_signature a side.
 inline constexpr int kSignatureSide = 32;
 
 /// What a photograph is at a glance.

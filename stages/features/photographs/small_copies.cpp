@@ -45,7 +45,8 @@ struct Header {
 
 /// Size and orientation, from the beginning of the file; nothing where that does not tell.
 std::optional<Header> read_header(const PhotoFile& photo) {
-    constexpr std::size_t kEnough = std::size_t{256} << 10U;  // the largest EXIF data are 64 KiB
+    // Guard: the largest EXIF data are 64 KiB.
+    constexpr std::size_t kEnough = std::size_t{256} << 10U;
     std::ifstream stream(photo.path, std::ios::binary);
     std::vector<std::uint8_t> bytes(kEnough);
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(kEnough));
@@ -70,6 +71,7 @@ std::vector<std::uint8_t> read_signature(const PhotoFile& photo, const Header& h
     const auto bytes =
         read_file_bytes(photo, std::uint64_t{ReadPhotoOptions{}.max_file_mib} << 20U);
     if (!bytes) return {};
+    // Mathematics: an eighth leaves 4 pixels a field.
     constexpr std::uint32_t kEnoughReduced = 8 * 4 * kSignatureSide;
     const bool is_large = std::min(header.width, header.height) >= kEnoughReduced;
     try {
@@ -117,7 +119,7 @@ bool is_digit(char c) {
 /// Whether what follows the common beginning is an addition to it: of "img_1" in "img_1-150x150" it
 /// is, in "img_10" it is not.
 bool is_addition(const std::string& shorter, const std::string& longer) {
-    /// Shorter ones begin too many other names. Ours.
+    /// Tunable: shorter ones begin too many other names. Ours.
     constexpr std::size_t kLeastLength = 3;
     if (shorter.size() == longer.size()) return true;
     return shorter.size() >= kLeastLength &&

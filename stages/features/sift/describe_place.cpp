@@ -11,8 +11,9 @@
 namespace psfm {
 namespace {
 
-constexpr int kOrientationBins = 36;
-/// Widths of the windows over sigma, as Lowe 2004 and OpenCV 4.6 have them.
+constexpr int kOrientationBins = 36;  // Mathematics: Lowe 2004, sec. 5
+/// Mathematics: widths of the windows over sigma and what else makes a descriptor SIFT, as Lowe
+/// 2004 (sec. 5 and 6) and OpenCV 4.6 have them.
 constexpr float kOrientationSigma = 1.5F;
 constexpr float kOrientationRadius = 3.F * kOrientationSigma;
 constexpr float kPeakShare = 0.8F;
@@ -123,6 +124,8 @@ std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
     const int radius = descriptor_radius(place.sigma);
     const float cosine = std::cos(orientation) / (kCellWidth * place.sigma);
     const float sine = std::sin(orientation) / (kCellWidth * place.sigma);
+    // Mathematics: half the width of the window, and the exponent of its Gaussian, of half that
+    // width (Lowe 2004, sec. 6.1).
     constexpr float kHalf = 0.5F * kCells;
     constexpr float kWindow = -1.F / (0.5F * kCells * kCells);
     const int first_y = std::max(1, static_cast<int>(std::lround(centre_y)) - radius);
@@ -150,7 +153,7 @@ std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
     }
     gradients_.find_polar();
 
-    // A cell more on either side, and a direction more, take what falls beyond.
+    // Mathematics: a cell more on either side, and a direction more, take what falls beyond.
     constexpr int kRowStep = (kCells + 2) * (kDirections + 1);
     constexpr int kColumnStep = kDirections + 1;
     std::array<float, static_cast<std::size_t>((kCells + 2) * kRowStep)> histogram{};

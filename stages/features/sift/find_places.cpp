@@ -13,11 +13,11 @@
 namespace psfm {
 namespace {
 
-/// Pixels along the octave's rim without places. Source: OpenCV 4.6.
+/// Tunable: pixels along the octave's rim without places. Source: OpenCV 4.6.
 constexpr int kBorder = 5;
-/// Steps of the refinement. Source: OpenCV 4.6 and VLFeat 0.9.
+/// Guard: steps of the refinement. Source: OpenCV 4.6 and VLFeat 0.9.
 constexpr int kMaxSteps = 5;
-/// Steps beyond which the quadric says nothing [px or layers].
+/// Guard: steps beyond which the quadric says nothing [px or layers].
 constexpr float kFurthest = 1e4F;
 static_assert(kReachToDetect >= kMaxSteps + 2);
 

@@ -21,7 +21,7 @@ struct SiftPlace {
     float scale = 0.F;  ///< sigma [px of the image]
 };
 
-/// Rows around those that a strip answers for which finding its places looks at.
+/// Mathematics: rows around those that a strip answers for which finding its places looks at.
 inline constexpr int kReachToDetect = 7;
 
 /// The places whose extremum lies in rows that the strip answers for, row by row (Lowe 2004,

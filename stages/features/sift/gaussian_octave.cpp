@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-/// Blur that a photograph is supposed to have [px]. Source: Lowe 2004, sec. 3.3.
+/// Mathematics: blur that a photograph is supposed to have [px]. Source: Lowe 2004, sec. 3.3.
 constexpr double kCameraBlur = 0.5;
 
 /// Kernels end at 4 sigma, as OpenCV's and VLFeat's.

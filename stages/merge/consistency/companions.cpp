@@ -13,9 +13,9 @@
 namespace psfm {
 namespace {
 
-/// Tried one after the other: how far the verdict is to hold, as parts of how near companions are
-/// and of how much they may be turned against each other. Raised: verdicts hold for longer, where
-/// they can be given at all. The last one always can. Ours.
+/// Tunable: tried one after the other: how far the verdict is to hold, as parts of how near
+/// companions are and of how much they may be turned against each other. Raised: verdicts hold for
+/// longer, where they can be given at all. The last one always can. Ours.
 constexpr double kTolerances[] = {0.2, 0.04, 0.0};
 
 /// A camera of one model near one of the other; or almost.

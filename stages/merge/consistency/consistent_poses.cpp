@@ -120,7 +120,7 @@ std::vector<PlacedModel> placed_models(const ClusterNetwork& network, const Part
 std::optional<std::vector<std::uint32_t>> groups_without(
     std::span<const std::pair<std::uint32_t, std::uint32_t>> contradictions,
     const PartGraph& graph) {
-    /// No constraint outweighs a contradiction.
+    /// Guard: no constraint outweighs a contradiction.
     constexpr double kNever = -1e12;
     if (contradictions.empty()) return std::nullopt;
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> weights;

@@ -25,7 +25,7 @@ struct Ball {
                 placed.cameras->largest_depth) {}
 
     bool is_near(const Ball& other) const {
-        // Rounding must not hide a pair that has companions.
+        // Guard: rounding must not hide a pair that has companions.
         constexpr double kRounding = 1e-9;
         const double sum = radius + other.radius + std::min(reach, other.reach);
         return (middle - other.middle).norm() <= sum * (1.0 + kRounding);

@@ -13,11 +13,13 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix37 = Eigen::Matrix<double, 3, 7>;
 
-/// Residuals in standard deviations where Cauchy's loss bends: 95 % efficient on Gaussians.
+/// Mathematics: residuals in standard deviations where Cauchy's loss bends: 95 % efficient on
+/// Gaussians.
 constexpr double kCauchy = 2.385;
-/// Standard deviation of the mean height [m] when no altitude is known: it has to be somewhere.
+/// Guard: standard deviation of the mean height [m] when no altitude is known: it has to be
+/// somewhere.
 constexpr double kUnknownHeight = 10.0;
-constexpr int kMaxSteps = 50;
+constexpr int kMaxSteps = 50;  // Guard: ends the loop
 
 double squared(double x) {
     return x * x;
@@ -142,8 +144,8 @@ double position_cost(std::span<const LocatedCamera> cameras, const Gravity* grav
 
 Sim3 fit_to_positions(std::span<const LocatedCamera> cameras, const Gravity* gravity,
                       const Sim3& start, const GeoreferenceOptions& options) {
-    constexpr double kLargestStep = 1.0;  // [rad], and log scale
-    constexpr double kConverged = 1e-10;  // relative decrease of the cost
+    constexpr double kLargestStep = 1.0;  // Guard: [rad], and log scale
+    constexpr double kConverged = 1e-10;  // Guard: relative decrease of the cost
     const Eigen::Vector3d mean = mean_centre(cameras);
     Sim3 sim = start;
     double cost = position_cost(cameras, gravity, sim, options);

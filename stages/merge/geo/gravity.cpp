@@ -13,8 +13,8 @@
 namespace psfm {
 namespace {
 
-/// Residuals in standard deviations at which Cauchy's weight is a half: 95 % efficient on
-/// Gaussians.
+/// Mathematics: residuals in standard deviations at which Cauchy's weight is a half: 95 % efficient
+/// on Gaussians.
 constexpr double kCauchy = 2.385;
 
 struct Axes {
@@ -81,6 +81,7 @@ std::optional<Gravity> estimate_gravity(std::span<const OrientedCamera> cameras,
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
     // From wide to narrow, so that the start decides nothing but the sign.
     Eigen::Vector3d up = mean_up.norm() > 0.0 ? mean_up.normalized() : all.front().up;
+    // Guard: ends the loop; at its own width the scatter settles.
     constexpr std::array<double, 9> kWiden{16.0, 8.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0};
     for (const double widen : kWiden) {
         eigen.compute(scatter(all, up, roll_sigma * widen, pitch_sigma * widen));

@@ -24,14 +24,15 @@ struct Match {
     Eigen::Vector3d in_world;
 };
 
-/// Random pairs of images that propose a similarity. Half of all images moved: 2^-2 for a good
-/// pair, so that 60 miss with a chance of 1e-7.
+/// Mathematics: random pairs of images that propose a similarity. Half of all images moved: 2^-2
+/// for a good pair, so that 60 miss with a chance of 1e-7.
 constexpr int kProposals = 60;
-/// A camera stayed if it moved by less than this part of the median distance between neighbours.
+/// Tunable: a camera stayed if it moved by less than this part of the median distance between
+/// neighbours. Ours.
 constexpr double kStayed = 0.25;
-constexpr int kRefinements = 10;
-/// Of more images every second, third, … is looked at: they tell a frame as well, and what a new
-/// image costs does not grow with their number. Ours.
+constexpr int kRefinements = 10;  // Guard: ends the loop
+/// Guard: of more images every second, third, … is looked at: they tell a frame as well, and what a
+/// new image costs does not grow with their number. Ours.
 constexpr std::size_t kImagesLookedAt = 1000;
 
 std::size_t stride_over(std::size_t images) {
@@ -164,7 +165,7 @@ Sim3 world_from_component(std::span<const PlacedImage> images,
             matches.front().in_world - sim.scale * (sim.rotation * matches.front().in_component);
         return sim;
     }
-    // Nothing moved: no rounding either.
+    // Guard: nothing moved: no rounding either.
     constexpr double kUnmoved = 1e-9;
     if (best_cost <= kUnmoved * static_cast<double>(matches.size())) return *best;
     consider(refined(matches, *best, tolerance));

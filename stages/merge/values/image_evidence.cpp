@@ -15,11 +15,13 @@
 namespace psfm {
 namespace {
 
-/// About 10 km. Lowered: walks with gaps fall apart into places of their own; raised: wrong fixes
-/// further off count as right, which puts the origin that far away and does no other harm. Ours.
+/// Tunable: about 10 km. Lowered: walks with gaps fall apart into places of their own; raised:
+/// wrong fixes further off count as right, which puts the origin that far away and does no other
+/// harm. Ours.
 constexpr double kNearM = 10'000.0;
 
 bool are_near(const GpsPosition& one, const GpsPosition& other) {
+    // Mathematics: the Earth's circumference over 360.
     constexpr double kMetresPerDegree = 111'000.0;
     const double north = (one.latitude_deg - other.latitude_deg) * kMetresPerDegree;
     const double across = std::remainder(one.longitude_deg - other.longitude_deg, 360.0);
@@ -99,8 +101,8 @@ const ImageEvidence* find_evidence(std::span<const ImageEvidence> evidence, Imag
 }
 
 bool is_plausible(const GpsPosition& position) {
-    constexpr double kPole = 90.0;
-    constexpr double kDateLine = 180.0;
+    constexpr double kPole = 90.0;       // Mathematics: where latitudes end
+    constexpr double kDateLine = 180.0;  // Mathematics: where longitudes end
     // Comparisons with NaN are false.
     return std::abs(position.latitude_deg) <= kPole &&
            std::abs(position.longitude_deg) <= kDateLine &&

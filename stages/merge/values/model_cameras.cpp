@@ -9,7 +9,7 @@
 namespace psfm {
 
 std::vector<double> mean_depths(const Reconstruction& model) {
-    // Over so many of the points that each image sees some tens.
+    // Guard: over so many of the points that each image sees some tens.
     constexpr std::size_t kPointsOfAnImage = 30;
     struct Sum {
         double inverse = 0.0;

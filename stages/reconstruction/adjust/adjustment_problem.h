@@ -20,7 +20,7 @@ struct AdjustmentParameters {
     std::map<CameraId, CameraId> owner_of_block;
     std::vector<std::size_t> pose_at;   ///< per image; kAbsent when it takes no part
     std::vector<std::size_t> point_at;  ///< per point; kAbsent when it takes no part
-    static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
+    static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);  // Format: has no place
 
     CameraId owner_of(CameraId camera) const {
         const auto other = owner_of_block.find(camera);

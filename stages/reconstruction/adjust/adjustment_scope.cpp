@@ -9,8 +9,8 @@
 namespace psfm {
 namespace {
 
-/// Of local adjustments. Raised: slower where many images see each point; lowered: fewer points
-/// follow a new image. COLMAP 3.8: 15.
+/// Tunable: of local adjustments. Raised: slower where many images see each point; lowered: fewer
+/// points follow a new image. COLMAP 3.8: 15.
 constexpr std::size_t kLongestMovingTrack = 15;
 
 std::vector<std::uint32_t> observation_counts(const WorkingModel& model) {

@@ -10,7 +10,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kFewImages = 100;
+constexpr std::size_t kFewImages = 100;  // Guard: of time; the same up to rounding
 
 /// For each image, the points that it sees: ends[i - 1] to ends[i] of `points`.
 struct PointsByImage {

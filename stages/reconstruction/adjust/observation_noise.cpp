@@ -13,11 +13,12 @@
 namespace psfm {
 namespace {
 
-/// Of the length of a vector of two normal coordinates (Rayleigh), over their standard deviation.
+/// Mathematics: the median length of a vector of two normal coordinates (Rayleigh), over their
+/// standard deviation: sqrt(2 ln 2).
 constexpr double kMedianLength = 1.1774100225154747;
-/// Nothing is found more exactly than this, rendered features neither [px].
+/// Tunable: nothing is found more exactly than this, rendered features neither [px].
 constexpr double kLeastLossPx = 0.05;
-/// Large features are off by more than small ones, whatever the noise [px].
+/// Tunable: large features are off by more than small ones, whatever the noise [px].
 constexpr double kLeastMaxErrorPx = 1.0;
 
 }  // namespace

@@ -30,8 +30,9 @@ struct TrustRegion {
     bool exhausted() const { return radius < 1e-32; }
 };
 
-constexpr double kParameterTolerance = 1e-8;
-constexpr double kLeastQuality = 1e-3;  // of a step that is taken: real gain over expected gain
+constexpr double kParameterTolerance = 1e-8;  // Guard: ends the loop; as Ceres has it
+/// Guard: of a step that is taken: real gain over expected gain.
+constexpr double kLeastQuality = 1e-3;
 
 double squared_norm(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(),

@@ -16,7 +16,7 @@ namespace psfm {
 /// Where the free cameras stand in the reduced camera system: poses first, in the order of their
 /// elimination, then intrinsics.
 struct AdjustmentColumns {
-    static constexpr std::size_t kHeld = static_cast<std::size_t>(-1);
+    static constexpr std::size_t kHeld = static_cast<std::size_t>(-1);  // Format: has no column
     struct Intrinsics {
         std::size_t column = 0;
         std::vector<int> slots;  ///< free ones, ascending; one column each

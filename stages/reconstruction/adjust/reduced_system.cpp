@@ -11,9 +11,10 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kBatch = 512;  // points that are linearised before the system takes them up
-/// Of the system's columns; each is one task. In a stripe, all points of a batch are looked at: few
-/// columns are not worth many of them.
+/// Guard: points that are linearised before the system takes them up.
+constexpr std::size_t kBatch = 512;
+/// Guard: of the system's columns; each is one task. In a stripe, all points of a batch are looked
+/// at: few columns are not worth many of them.
 constexpr std::size_t kMaxStripes = 64, kStripeColumns = 12;
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 using Feature = WorkingModel::Feature;
 using PoseBlock = std::array<double, kPoseSize>;
 
-constexpr std::size_t kPointsATask = 256;
+constexpr std::size_t kPointsATask = 256;  // Guard: of tasks too small to pay
 
 /// Cost of a position, and its normal equations.
 struct PointSystem {
@@ -38,7 +38,7 @@ class PointRefiner {
     }
 
     Eigen::Vector3d refine(std::span<const Feature> track, const Eigen::Vector3d& start) const {
-        constexpr int kSteps = 5;
+        constexpr int kSteps = 5;  // Guard: ends the loop
         Eigen::Vector3d position = start;
         PointSystem system = linearize(track, position);
         for (int step = 0; step < kSteps; ++step) {

@@ -117,7 +117,7 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
 
 /// A small model that went wrong shows in the focal length.
 bool is_credible(const Camera& calibrated, const Camera& before) {
-    constexpr double kMaxRatio = 1.25;
+    constexpr double kMaxRatio = 1.25;  // Tunable: ours, without a figure
     const double ratio = calibrated.mean_focal() / before.mean_focal();
     return validate(calibrated).ok() && (before.focal_source == FocalSource::kUnknown ||
                                          (ratio < kMaxRatio && ratio > 1.0 / kMaxRatio));

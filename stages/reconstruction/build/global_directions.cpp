@@ -63,7 +63,7 @@ std::map<ImageId, std::uint32_t> local_indices(const WorkingModel& model) {
 std::vector<FeatureTrack> covering_tracks(const WorkingModel& model,
                                           std::span<const VerifiedPairPtr> pairs,
                                           std::uint32_t tracks_per_image) {
-    constexpr std::size_t kMinImages = 3;
+    constexpr std::size_t kMinImages = 3;  // Mathematics: two say no more than their pair
     const std::map<ImageId, std::uint32_t> local = local_indices(model);
     std::vector<MatchedImages> matched;
     matched.reserve(pairs.size());

@@ -12,7 +12,7 @@ namespace psfm {
 namespace {
 
 /// Images that are added before models are tried again. Lowered: tried in vain more often; raised:
-/// more is built a second time. Ours.
+/// more is built a second time. Tunable: ours, without a figure.
 constexpr std::uint32_t kFirstRetry = 5;
 
 /// Models of which so many images are not in the working model that they are worth joining.

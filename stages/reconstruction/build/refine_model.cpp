@@ -15,7 +15,7 @@
 namespace psfm {
 namespace {
 
-/// Images from which focal lengths are adjusted: two views hardly determine them.
+/// Tunable: images from which focal lengths are adjusted: two views hardly determine them.
 constexpr std::uint32_t kImagesForIntrinsics = 3;
 
 /// Of the points that one of the images sees; of all points, when there are none.
@@ -54,7 +54,7 @@ std::vector<std::uint32_t> registered_images(const WorkingModel& model) {
 /// The images, and all that share so many points with them that they hold each other; ascending.
 std::vector<std::uint32_t> with_neighbors(const WorkingModel& model,
                                           const std::vector<std::uint32_t>& images) {
-    constexpr std::uint32_t kSharedPoints = 15;  // what a pose is taken from at least
+    constexpr std::uint32_t kSharedPoints = 15;  // Tunable: what a pose is taken from at least
     std::vector<std::uint32_t> shared(model.image_count(), 0);
     for (const std::uint32_t point : points_seen_by(model, images)) {
         for (const WorkingModel::Feature& feature : model.points()[point].track)

@@ -19,7 +19,7 @@ namespace psfm {
 namespace {
 
 /// Of a track, which may be as long as there are images, so many observations are looked at.
-constexpr std::size_t kTrackObservations = 15;
+constexpr std::size_t kTrackObservations = 15;  // Guard: of time, which grows with its square
 
 using Centres = std::unordered_map<std::uint32_t, Eigen::Vector3d>;  // by image id
 
@@ -129,7 +129,7 @@ const Camera& camera_of(const Reconstruction& model, ImageId image) {
 /// rotation between the rays; that of a step stretches them by the step over the height.
 bool is_turn(const TwoViewGeometry& geometry, const Camera& camera1, const Camera& camera2) {
     // Raised: flights over flat land give up their models; lowered: turns whose focal length came
-    // out wrong count for steps. Ours.
+    // out wrong count for steps. Tunable: ours, without a figure.
     constexpr double kMostStretch = 0.1;
     const Eigen::Matrix3d between = camera2.matrix().inverse() * geometry.matrix * camera1.matrix();
     const Eigen::Vector3d stretches = Eigen::JacobiSVD<Eigen::Matrix3d>(between).singularValues();

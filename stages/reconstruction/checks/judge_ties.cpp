@@ -57,7 +57,7 @@ bool deviates(const ReleasedCamera& camera, const TieOptions& options) {
 std::map<ImageId, Costs> costs_of(const WorkingModel& model,
                                   const std::vector<std::uint32_t>& points,
                                   const AdjustmentOptions& options) {
-    constexpr double kWorst = 100.0;  // squared, of what has come to lie behind its camera
+    constexpr double kWorst = 100.0;  // Guard: squared, of what has come to lie behind its camera
     std::map<ImageId, Costs> costs;
     for (const std::uint32_t p : points) {
         const WorkingModel::Point& point = model.points()[p];

@@ -14,8 +14,8 @@ namespace psfm {
 namespace {
 
 /// Part of a pair's matches that a model has in common points, from which it explains the pair, and
-/// below which it denies it. Ours: right pairs keep half and more, ones with hardly any depth a
-/// tenth at least, and pairs of look-alikes next to nothing.
+/// below which it denies it. Tunable: ours; right pairs keep half and more, ones with hardly any
+/// depth a tenth at least, and pairs of look-alikes next to nothing.
 constexpr double kExplained = 0.3;
 constexpr double kDenied = 0.1;
 
@@ -83,7 +83,7 @@ bool ModelEdge::is_denied() const {
 std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProblem& problem,
                                 const std::vector<ComparedPair>& compared) {
     /// How fast an edge loses its weight with the part of the regions that is missing between its
-    /// images. Ours: a tenth of them, and a false edge is weaker than any true one.
+    /// images. Tunable: ours; a tenth of them, and a false edge is weaker than any true one.
     constexpr double kPenalty = 15.0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> missing_part;
     for (const ComparedPair& pair : compared)
@@ -143,8 +143,8 @@ bool is_doubted(const Judged& judged) {
 
 bool is_better(const ModelScore& other, const ModelScore& best) {
     if (other.images < best.images) return false;
-    // Ours: counts of a few regions differ by chance, and right models of look-alikes explain less
-    // than folded ones, which see everything twice.
+    // Tunable: ours; counts of a few regions differ by chance, and right models of look-alikes
+    // explain less than folded ones, which see everything twice.
     constexpr double kClearly = 0.7;
     constexpr std::uint32_t kByChance = 10;
     constexpr double kLessExplained = 0.85;

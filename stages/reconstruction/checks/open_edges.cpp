@@ -17,7 +17,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kEdgesATask = 64;
+constexpr std::size_t kEdgesATask = 64;  // Guard: of tasks too small to pay
 
 EdgeView view_of(const WorkingModel& model, std::uint32_t image) {
     const Camera& camera = model.camera(image);

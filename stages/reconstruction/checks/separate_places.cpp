@@ -12,19 +12,20 @@
 
 #include "stages/algorithms/math/contract_signed_graph.h"
 #include "stages/reconstruction/checks/side_by_side.h"
+#include "stages/reconstruction/model/solve_policy.h"
 
 namespace psfm {
 namespace {
 
 /// Points of each image that are looked at first. Lowered: all are looked at in vain more often.
-/// Ours, as are the next.
+/// Tunable: ours, as are the next.
 constexpr std::uint32_t kGlancePoints = 48;
 /// A pair that shares nothing shares at most so many times max_shared_by_chance of a few points.
 /// Raised: all are looked at more often; lowered: folds are overlooked by chance.
-constexpr double kGlanceFactor = 3.0;
+constexpr double kGlanceFactor = 3.0;  // Tunable: ours, as above
 /// A pair that shares more of a few points is of one place whatever the others say. Raised: more
 /// pairs have all their points counted; lowered: chance decides.
-constexpr double kClearPart = 0.7;
+constexpr double kClearPart = 0.7;  // Tunable: ours, as above
 
 std::vector<SideBySide> sharing_up_to(std::span<const SideBySide> pairs, double part) {
     std::vector<SideBySide> sharing;
@@ -58,7 +59,7 @@ std::vector<SideBySide> count_doubtful(const Reconstruction& model, const PlaceO
 
 /// By image what its pairs reach: the second best, since one may be nearly a copy.
 std::vector<double> reached_parts(std::size_t images, std::span<const SideBySide> pairs) {
-    constexpr std::size_t kRank = 2;
+    constexpr std::size_t kRank = 2;  // Tunable: ours; one may be nearly a copy
     std::vector<std::vector<double>> parts(images);
     for (const SideBySide& pair : pairs) {
         parts[pair.first].push_back(pair.shared_part());
@@ -114,7 +115,8 @@ std::set<std::uint32_t> contradicted(std::span<const std::uint32_t> part_of,
         const auto parts = std::minmax(part_of[pair.first], part_of[pair.second]);
         if (parts.first == parts.second || pair.shared_part() > options.max_shared_by_chance)
             continue;
-        if (std::min(images[parts.first], images[parts.second]) < options.min_images) continue;
+        if (!makes_model(std::min(images[parts.first], images[parts.second]), options.min_images))
+            continue;
         ++contradictions[{parts.first, parts.second}];
     }
     std::set<std::uint32_t> result;

@@ -135,7 +135,7 @@ bool sees(const ScenePoint& point, ImageId image) {
 /// Adds what an image should see of what another one has seen, each point `weight` times.
 void count(std::span<const ScenePoint* const> seen, const Camera& camera,
            const RegisteredImage& image, std::uint32_t weight, SideBySide& pair) {
-    /// Features are not found at the very edge, and poses are not exact.
+    /// Tunable: features are not found at the very edge, and poses are not exact.
     constexpr double kMargin = 0.02;
     const Eigen::Array2d size(camera.width, camera.height);
     const double margin = kMargin * size.maxCoeff();

@@ -38,7 +38,7 @@ class TrackBuilder {
     std::vector<FeatureTrack> take() && { return std::move(tracks_); }
 
   private:
-    static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+    static constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // Format: is of no track
 
     std::uint32_t& of(const Feature& feature) { return track_of_[feature.image][feature.feature]; }
     std::uint32_t track_with(const Feature& feature) {

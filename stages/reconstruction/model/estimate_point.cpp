@@ -13,7 +13,7 @@ namespace psfm {
 namespace {
 
 using Feature = WorkingModel::Feature;
-constexpr std::size_t kPairsFrom = 20;  // bounds the pairs tried for one point
+constexpr std::size_t kPairsFrom = 20;  // Guard: bounds the pairs tried for one point
 
 View view_of(const WorkingModel& model, const Feature& feature) {
     return {model.pose(feature.image), model.normalized(feature)};

@@ -131,7 +131,7 @@ VerifiedPairPtr as_averaged(const VerifiedPairPtr& pair, const ClusterProblem& p
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
 }
 
-/// What a weak edge counts beside others: it decides where nothing else does. Ours.
+/// Tunable: what a weak edge counts beside others: it decides where nothing else does. Ours.
 constexpr double kWeakEdge = 1e-3;
 
 /// How much an edge counts among others.

@@ -32,7 +32,7 @@ class LocalNumbers {
     std::uint32_t of(ImageId image) const { return numbers_[index_of(image) - first_]; }
 
   private:
-    static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+    static constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // Format: is no image's
     std::uint32_t first_ = 0;
     std::vector<std::uint32_t> numbers_;
 };

@@ -7,6 +7,7 @@
 namespace psfm {
 
 SolvePolicy paper_policy() {
+    // Format: no number of images is above it
     constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
     SolvePolicy policy;
     policy.doubt_up_to = 0;

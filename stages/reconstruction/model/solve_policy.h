@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "graph/result.h"
+#include "stages/clustering/clustering_options.h"
 
 namespace psfm {
 
@@ -19,8 +20,10 @@ struct Schedule {
 
     /// @param asked_with  its size when it was last asked; 0: never
     bool is_due(std::size_t size, std::size_t asked_with) const {
-        const double changed = std::abs(static_cast<double>(size) - static_cast<double>(asked_with));
-        return size <= whole_up_to || changed > again_when_grown_by * static_cast<double>(asked_with);
+        const double changed =
+            std::abs(static_cast<double>(size) - static_cast<double>(asked_with));
+        return size <= whole_up_to ||
+               changed > again_when_grown_by * static_cast<double>(asked_with);
     }
     bool operator==(const Schedule&) const = default;
 };
@@ -87,7 +90,7 @@ struct SolvePolicy {
     Schedule ties{0, 0.5};
 
     /// Whether so many images are enough for a model.
-    bool makes_model(std::size_t images) const { return images >= mu_min; }
+    bool makes_model(std::size_t images) const { return psfm::makes_model(images, mu_min); }
     SolveScope scope_of(std::size_t placed) const {
         return placed > affordable_up_to ? SolveScope::kJoint : SolveScope::kAll;
     }

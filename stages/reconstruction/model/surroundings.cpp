@@ -13,7 +13,7 @@
 namespace psfm {
 namespace {
 
-/// A part with more of the points than this saves nothing. Ours.
+/// Tunable: a part with more of the points than this saves nothing. Ours.
 constexpr double kMostPoints = 0.75;
 
 /// What an image is to the part.

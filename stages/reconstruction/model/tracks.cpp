@@ -131,7 +131,7 @@ void gather_matches(const WorkingModel& model, std::span<const std::uint32_t> po
 template <typename Predicate>
 std::vector<std::uint32_t> points_where(std::span<const std::uint32_t> points,
                                         const Predicate& holds) {
-    constexpr std::size_t kPointsATask = 256;
+    constexpr std::size_t kPointsATask = 256;  // Guard: of tasks too small to pay
     std::vector<std::uint8_t> found(points.size(), 0);
     in_parallel(points.size(), kPointsATask,
                 [&](std::size_t p) { found[p] = holds(points[p]) ? 1 : 0; });

@@ -14,7 +14,7 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kPointsATask = 4096;
+constexpr std::size_t kPointsATask = 4096;  // Guard: of tasks too small to pay
 
 }  // namespace
 

@@ -30,7 +30,7 @@ namespace psfm {
 class WorkingModel {
   public:
     using Feature = CorrespondenceGraph::Feature;
-    static constexpr std::uint32_t kNoPoint = 0xFFFFFFFFU;
+    static constexpr std::uint32_t kNoPoint = 0xFFFFFFFFU;  // Format: has no point
 
     struct Point {
         Eigen::Vector3d position = Eigen::Vector3d::Zero();

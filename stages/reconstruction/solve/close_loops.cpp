@@ -18,19 +18,19 @@
 namespace psfm {
 namespace {
 
-/// Residual from which an edge that holds has been strained: some pixels. Lowered: more is
+/// Tunable: residual from which an edge that holds has been strained: some pixels. Lowered: more is
 /// adjusted, soon all of the model; the rest is for settling. Ours.
 constexpr double kStrain = 0.004;
 /// Edges that are torn, at most, over those that closed. Raised: wrong edges tear models apart.
-/// Ours.
+/// Tunable: ours, without a figure.
 constexpr double kMaxTorn = 0.1;
-/// Loss scale of a pose graph to which hardly a residual is an outlier. Ours.
+/// Tunable: loss scale of a pose graph to which hardly a residual is an outlier. Ours.
 constexpr double kQuadratic = 1.0;
 /// Images that move as one where nothing is strained. Raised: breaks are looked for at fewer
-/// places; lowered: slower. Ours.
+/// places; lowered: slower. Tunable: ours, without a figure.
 constexpr std::size_t kImagesAGroup = 16;
 /// Times that edges which stay open are left out before the others are asked once more. Ours.
-constexpr int kMaxPasses = 3;
+constexpr int kMaxPasses = 3;  // Guard: ends the passes
 
 /// What pulls at a model's images.
 struct LoopEdges {

@@ -136,7 +136,7 @@ std::vector<std::vector<ImageId>> split(const Judged& judged, const SolveOptions
 
 /// The cluster with its model in two parts, and without the edges that held them together.
 ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, const Cut& cut) {
-    constexpr std::size_t kSmallestPart = 3;  // fewer images are placed one by one
+    constexpr std::size_t kSmallestPart = 3;  // Tunable: fewer images are placed one by one
     const Reconstruction& model = judged.attempt.model;
     ClusterProblem apart = problem;
     apart.settle = false;

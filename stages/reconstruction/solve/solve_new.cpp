@@ -56,7 +56,7 @@ Result<void> take_if_larger(SolveDraft& draft, const SolveContext& context, Solv
 /// From the best pair.
 Result<SolveAttempt> solve_incrementally(const SolveContext& context,
                                          const CorrespondenceGraph& matches) {
-    constexpr int kStarts = 3;
+    constexpr int kStarts = 3;  // Tunable: ours, without a figure
     const std::size_t members = context.problem.images.size();
     SolveAttempt best;
     std::vector<bool> used(members, false);

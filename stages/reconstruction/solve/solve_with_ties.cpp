@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-/// Two views hardly determine focal lengths.
+/// Tunable: two views hardly determine focal lengths.
 constexpr std::size_t kImagesToJudge = 4;
 
 bool shows_places(const SolveAttempt& attempt) {
@@ -44,7 +44,7 @@ Result<SolveAttempt> settle_ties(SolveAttempt attempt, CameraTies ties,
                                  const ClusterProblem& problem, const SolveOptions& options,
                                  const AttemptSolve& attempt_solve) {
     // Of one camera? If not, with a camera each; which of these are one; and whether that holds.
-    constexpr int kRounds = 3;
+    constexpr int kRounds = 3;  // Guard: one for each question
     for (int round = 0; round < kRounds; ++round) {
         const auto model = std::make_shared<const Reconstruction>(attempt.model);
         const TieVerdict verdict = judge_ties(model, problem, ties, options);

@@ -132,6 +132,7 @@ Result<void> ColmapDatabase::Connection::read_entries() {
         database, "SELECT image_id,rows,length(data) FROM keypoints",
         [&](const SqliteStatement& row) -> Result<void> {
             const auto rows = row.integer(1).value_or(-1);
+            // Format: x and y of a keypoint.
             const auto least_bytes = static_cast<std::int64_t>(2 * sizeof(float));
             if (rows < 0 || rows > row.integer(2).value_or(0) / least_bytes) {
                 return damaged("keypoints has a row that announces more features than it holds");

@@ -25,7 +25,7 @@
 namespace psfm::colmap {
 
 /// Image ids are below this: a pair's key is first * kMaxImages + second with first < second.
-inline constexpr std::int64_t kMaxImages = 2147483647;
+inline constexpr std::int64_t kMaxImages = 2147483647;  // Format: COLMAP's, for keys of pairs
 
 /// Persistent numbers of two_view_geometries.config (COLMAP's TwoViewGeometry).
 enum class PairConfig : std::uint8_t {

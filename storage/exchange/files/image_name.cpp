@@ -10,7 +10,7 @@
 namespace psfm {
 namespace {
 
-/// Longest path that Linux opens.
+/// Guard: longest path that Linux opens.
 constexpr std::size_t kMaxNameLength = 4096;
 
 /// Takes the first character off a text that is not empty; nothing when its bytes are not UTF-8
@@ -26,7 +26,8 @@ std::optional<std::uint32_t> take_character(std::string_view& text) {
         if ((byte & 0xc0U) != 0x80U) return std::nullopt;
         character = character << 6U | (byte & 0x3fU);
     }
-    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // of so many bytes
+    // Format: UTF-8, the least character of so many bytes.
+    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
     const bool surrogate = character >= 0xd800 && character <= 0xdfff;
     if (character < kLeast[length] || character > 0x10ffff || surrogate) return std::nullopt;
     text.remove_prefix(length);

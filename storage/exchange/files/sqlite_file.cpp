@@ -13,6 +13,7 @@ namespace psfm {
 namespace {
 
 constexpr std::string_view kMagic{"SQLite format 3\0", 16};
+/// Format: where the header of an SQLite file has what (sqlite.org/fileformat2.html, sec. 1.3).
 constexpr std::size_t kPageSizeOffset = 16;     ///< two bytes, the higher first; 1 means 65,536
 constexpr std::size_t kReadVersionOffset = 19;  ///< 2: write-ahead mode
 constexpr std::size_t kChangesOffset = 24;      ///< four bytes, as those below

@@ -12,7 +12,8 @@
 namespace psfm {
 namespace {
 
-/// How long a program that writes the file just now is waited for. Ours: a commit takes less.
+/// Guard: how long a program that writes the file just now is waited for. Ours: a commit takes
+/// less.
 constexpr int kBusyMilliseconds = 1000;
 
 /// Hostile files: no functions or virtual tables called from the schema, no views, no triggers,

@@ -71,6 +71,7 @@ ExportedModel dataset_model(const ExportedModel& model, std::span<const Undistor
 }
 
 Eigen::Vector3d float_origin(const ExportedModel& model) {
+    // Guard: sizes from the origin, where floats still tell 1e-5 of a size.
     constexpr double kFar = 100.0;
     if (model.images.empty()) return Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> centres;

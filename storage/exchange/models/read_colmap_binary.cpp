@@ -9,12 +9,13 @@
 namespace psfm::colmap {
 namespace {
 
+/// Format: COLMAP's records at their shortest: what cannot be there is not allocated for.
 constexpr std::uint64_t kMinCameraBytes = 4 + 4 + 8 + 8 + 3 * 8;
 constexpr std::uint64_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr std::uint64_t kKeypointBytes = 8 + 8 + 8;
 constexpr std::uint64_t kMinPointBytes = 8 + 3 * 8 + 3 + 8 + 8;
 constexpr std::uint64_t kObservationBytes = 4 + 4;
-/// Longest path that Linux opens.
+/// Guard: longest path that Linux opens.
 constexpr std::size_t kMaxNameLength = 4096;
 
 const std::string kTruncated = "the file ends too early";

@@ -14,6 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Format: numbers of glTF 2.0, and bytes of its attributes.
 constexpr int kFloat = 5126;
 constexpr int kUnsignedByte = 5121;
 constexpr int kArrayBuffer = 34962;
@@ -66,7 +67,7 @@ void write_points(const ExportedModel& model, const Eigen::Vector3d& origin, Out
         const Eigen::Vector3d place = point.position - origin;
         for (const double value : place) file.little_endian(static_cast<float>(value));
     }
-    constexpr std::uint8_t kOpaque = 255;
+    constexpr std::uint8_t kOpaque = 255;  // Format: alpha of a colour
     for (const ExportedPoint& point : model.points) {
         for (const std::uint8_t value : point.rgb) file.little_endian(value);
         file.little_endian(kOpaque);

@@ -6,6 +6,7 @@
 namespace psfm {
 namespace {
 
+/// Format: cameras are green among the points.
 constexpr std::array<std::uint8_t, 3> kCameraColour{0, 255, 0};
 
 void write_vertex(const Eigen::Vector3d& position, const std::array<std::uint8_t, 3>& rgb,

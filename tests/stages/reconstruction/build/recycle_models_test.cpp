@@ -190,7 +190,7 @@ TEST(RecycleModels, PutsOffTheResetOfALargeModelUntilItSettles) {
     const SyntheticScene scene = noisy_ring(4);
     SolveOptions options;
     options.policy.affordable_up_to = kImages - 1;
-    options.loops.min_open_edges = 0;         // else it is closed
+    options.loops.min_open_edges = 0;       // else it is closed
     options.max_contradicting_edges = 1.0;  // of so few edges many contradict
     ClusterProblem problem = ring_problem(scene, {folded_model(scene)});
     const auto before = solve_cluster(problem, options);
