@@ -15,6 +15,7 @@
 #include "graph/clustering_edit.h"
 #include "graph/reconstruction.h"
 #include "graph/scene.h"
+#include "stages/clustering/clustering_options.h"
 #include "stages/merge/values/model_cameras.h"
 #include "stages/reconstruction/model/cluster_problem.h"
 
