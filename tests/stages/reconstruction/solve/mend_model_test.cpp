@@ -202,6 +202,22 @@ TEST_F(MendModel, PartsThatComeToStandWhereTheyWereStayThere) {
     EXPECT_EQ(state_.images_at_contradiction, 0U);
 }
 
+// One part is folded; of two others the average says so, and nothing helps.
+TEST_F(MendModel, HardlyAnythingGainedIsNotKept) {
+    make(kLarge);
+    fold(170, 60.0);
+    for (std::uint32_t image = 20; image < 110; ++image) {
+        if (image < 50 || image >= 80)
+            graph_.rotations[image] = graph_.rotations[image] * turn_by(60.0);
+    }
+    const std::uint32_t beyond = contradiction().beyond;
+    const double error = max_error();
+    ASSERT_TRUE(mend().ok());
+    EXPECT_FALSE(statistics_.reset.has_value());
+    EXPECT_EQ(contradiction().beyond, beyond);
+    EXPECT_EQ(max_error(), error);
+}
+
 TEST_F(MendModel, StopsOnRequest) {
     make(kSmall);
     misplace(5, 40.0);
