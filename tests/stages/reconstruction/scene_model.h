@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "stages/reconstruction/model/local_graph.h"
 #include "stages/reconstruction/model/working_model.h"
 #include "tests/stages/reconstruction/problems.h"
 #include "tests/synthetic/verified_pairs.h"
@@ -32,6 +33,17 @@ struct SceneModel {
         matches = std::make_unique<CorrespondenceGraph>(ids, counts, pairs_of(problem));
         model = std::make_unique<WorkingModel>(problem, *matches);
         model->load(synthetic::true_reconstruction(scene, Sim3{}, ids));
+    }
+
+    /// The edges, and rotations as an average without error says them.
+    LocalGraph true_graph() const {
+        LocalGraph graph;
+        graph.cameras = problem.cameras;
+        graph.pairs = pairs_of(problem);
+        for (const synthetic::SceneImage& image : scene.images)
+            graph.rotations.push_back(image.cam_from_world.rotation);
+        graph.component.assign(scene.images.size(), 0);
+        return graph;
     }
 
     /// Moves poses by 2 sigma and points by sigma [m], alike for equal seeds.

@@ -4,13 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <set>
 #include <vector>
 
 #include "stages/reconstruction/solve/solve_cluster.h"
 #include "tests/stages/reconstruction/problems.h"
+#include "tests/stages/reconstruction/scene_model.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/disturb.h"
 #include "tests/synthetic/verified_pairs.h"
@@ -99,6 +102,116 @@ TEST(GrowModel, FewerPointsThanThatAreNoPose) {
     EXPECT_EQ(solution->model->images.size(), 11U);
     ASSERT_EQ(solution->waiting.size(), 1U);
     EXPECT_EQ(solution->waiting.front().first, kLast);
+}
+
+/// A ring's true model, some images taken out of it.
+class GrowAModel : public testing::Test {
+  protected:
+    void make(std::uint32_t images, const std::vector<std::uint32_t>& missing) {
+        truth_ = std::make_unique<SceneModel>(synthetic::add_pixel_noise(
+            synthetic::make_scene(synthetic::ring_around_sphere(images), 1), 0.3, 2));
+        truth_->problem.fix_intrinsics = true;
+        for (const std::uint32_t image : missing) model().remove_image(image);
+        state_.images_at_full_adjustment = model().registered_count();
+    }
+
+    WorkingModel& model() const { return *truth_->model; }
+
+    Result<void> grow(std::uint32_t at_most, const std::atomic<bool>* cancel = nullptr) {
+        SolveDraft draft{std::move(model()), state_, statistics_};
+        const LocalGraph graph;
+        const SolveOptions options;
+        const auto done = grow_model(draft, {truth_->problem, graph, options, cancel}, at_most);
+        model() = std::move(draft.model);
+        state_ = draft.state;
+        statistics_ = draft.statistics;
+        return done;
+    }
+
+    double max_error() const {
+        const auto error = synthetic::compare_with_truth(model().save(), truth_->scene);
+        EXPECT_TRUE(error.ok());
+        return error.ok() ? error->max_position : 1e9;
+    }
+
+    static constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
+    std::unique_ptr<SceneModel> truth_;
+    SolveState state_;
+    SolveStatistics statistics_;
+};
+
+TEST_F(GrowAModel, AddsWhatIsMissing) {
+    make(12, {3, 4, 9});
+    ASSERT_TRUE(grow(kAll).ok());
+    EXPECT_EQ(model().registered_count(), 12U);
+    EXPECT_EQ(statistics_.registered, 3U);
+    EXPECT_LT(max_error(), 0.02);  // of a ring of 8 m radius
+    EXPECT_GE(statistics_.local_adjustments, 3U) << "around each of them";
+    EXPECT_GE(statistics_.full_adjustments, 1U) << "by a third";
+    EXPECT_GT(state_.images_at_full_adjustment, 9U);
+}
+
+TEST_F(GrowAModel, OneImageOfManyChangesItsSurroundingsOnly) {
+    make(24, {7});
+    ASSERT_TRUE(grow(kAll).ok());
+    EXPECT_EQ(model().registered_count(), 24U);
+    EXPECT_EQ(statistics_.full_adjustments, 0U);
+    EXPECT_GE(statistics_.local_adjustments, 1U);
+    EXPECT_EQ(state_.images_at_full_adjustment, 23U);
+}
+
+TEST_F(GrowAModel, TheImageThatSeesMostComesFirst) {
+    make(12, {3, 4, 5, 6, 7, 10});
+    std::uint32_t best = 3;
+    for (const std::uint32_t image : {4, 5, 6, 7, 10}) {
+        if (model().visible_score(image) > model().visible_score(best)) best = image;
+    }
+    ASSERT_EQ(best, 10U) << "between two that are there";
+    ASSERT_TRUE(grow(1).ok());
+    EXPECT_EQ(model().registered_count(), 7U);
+    EXPECT_TRUE(model().registered(10));
+    EXPECT_EQ(statistics_.registered, 1U);
+    ASSERT_TRUE(grow(2).ok());
+    EXPECT_EQ(model().registered_count(), 9U);
+    EXPECT_EQ(statistics_.registered, 3U) << "counted on";
+}
+
+TEST_F(GrowAModel, AnImageWithoutMatchesStaysOut) {
+    make(12, {3, 4});
+    auto pairs = pairs_of(truth_->problem);
+    std::erase_if(pairs, [](const VerifiedPairPtr& pair) { return has(pair->pair, ImageId{4}); });
+    std::vector<std::uint32_t> counts;
+    std::vector<ImageId> ids;
+    for (const ClusterImage& image : truth_->problem.images) {
+        counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
+        ids.push_back(image.id);
+    }
+    const Reconstruction ten = model().save();
+    truth_->matches = std::make_unique<CorrespondenceGraph>(ids, counts, pairs);
+    truth_->model = std::make_unique<WorkingModel>(truth_->problem, *truth_->matches);
+    model().load(ten);
+    ASSERT_TRUE(grow(kAll).ok());
+    EXPECT_TRUE(model().registered(3));
+    EXPECT_FALSE(model().registered(4));
+    EXPECT_EQ(statistics_.registered, 1U);
+}
+
+TEST_F(GrowAModel, StopsOnRequest) {
+    make(12, {3});
+    const std::atomic<bool> cancel{true};
+    const auto stopped = grow(kAll, &cancel);
+    ASSERT_FALSE(stopped.ok());
+    EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+    EXPECT_FALSE(model().registered(3));
+}
+
+TEST_F(GrowAModel, AWholeModelStaysAsItIs) {
+    make(12, {});
+    const std::size_t points = model().alive_points();
+    ASSERT_TRUE(grow(kAll).ok());
+    EXPECT_EQ(statistics_.registered, 0U);
+    EXPECT_EQ(statistics_.local_adjustments + statistics_.full_adjustments, 0U);
+    EXPECT_EQ(model().alive_points(), points);
 }
 
 }  // namespace
