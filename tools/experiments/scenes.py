@@ -48,6 +48,11 @@ FOUNTAIN, HERZ_JESUS, ENTRY, CASTLE = (
     Photographs(name, f"strecha-half/{name}/images", f"strecha-half/{name}/gt")
     for name in ("fountain-P11", "Herz-Jesus-P8", "entry-P10", "castle-P19"))
 SCEAUX = Photographs("sceaux", "sceaux/images")
+KERMIT = Photographs("kermit", "kermit/images")
+LUND = Photographs("lund", "lund/images")
+# What people have: no poses are known, but `centres.txt` of some.
+KITCHEN, BANANA, BRIGHTON, IONIQ5, MULTICAM = (
+    Photographs(name, f"real/{name}/images") for name in ("kitchen", "banana", "brighton", "ioniq5", "multicam"))
 
 
 def _shuffles(source):
