@@ -19,9 +19,10 @@ parts, or any outlier.
 """
 WAY = """\
 Every state of a deterministic session is judged, one after each image: *sum* adds up the outliers of all states,
-*most* is the worst state, and the last columns have the outliers once a quarter, a half, three quarters and all of the
-images had arrived. COLMAP was continued from its own model at the quarters, with the same matches.
+*most* is the worst state, and *at the quarters* are the outliers once a quarter, a half, three quarters and all of the
+images had arrived.
 """
+WAY_OF_COLMAP = " COLMAP was continued from its own model at the quarters, with the same matches."
 
 
 def _words_of(order, scenes):
@@ -94,15 +95,18 @@ def _way_rows(scene):
         yield [scene.name, cell.result.run.words, number(measurements.summed_outliers(rows)),
                number(measurements.most_outliers(rows, after=0)),
                ", ".join(number(row.outliers if row else None) for row in states),
-               ", ".join(number(steps.get(count)) for count in quarters)]
+               ", ".join(number(steps.get(count)) for count in quarters) if colmap else ""]
 
 
 def _way(scenes):
     rows = [row for scene in scenes if scene.known for row in _way_rows(scene)]
     if not rows:
         return ""
-    return "## On the way\n\n" + paragraph(WAY) + "\n" + table(
-        ["scene", "order", "psfm: sum", "most", "at the quarters", "COLMAP: at the quarters"], rows, words=2)
+    head = ["scene", "order", "psfm: sum", "most", "at the quarters", "COLMAP: at the quarters"]
+    beside = any(row[-1] for row in rows)
+    if not beside:
+        head, rows = head[:-1], [row[:-1] for row in rows]
+    return "## On the way\n\n" + paragraph(WAY + (WAY_OF_COLMAP if beside else "")) + "\n" + table(head, rows, words=2)
 
 
 def in_short(scenes, modes):
@@ -114,7 +118,7 @@ def in_short(scenes, modes):
                      f"{sum(of == mode for _, of in scene.cells)} orders"
                      for scene in shown if scene.deviating(mode)]
         parts.append(f"in {mode} mode {len(shown) - len(differing)} of {len(shown)} scenes end alike in every order "
-                     "and without an outlier" + (f", not {', '.join(differing)}" if differing else ""))
+                     "and without an outlier" + (f" (not {', '.join(differing)})" if differing else ""))
     return "In short: " + "; ".join(parts) + "."
 
 
