@@ -7,6 +7,7 @@ import textwrap
 
 import measurements
 import orders
+from colmap_progressive import colmap_version
 
 MOST_EVENTS = 12
 
@@ -186,9 +187,9 @@ def provenance(settings, results):
     if colmaps:
         text += f"COLMAP {one(colmaps)} was fed the same verified matches in the same order"
         text += (f", up to {settings.colmap_until} images (`--colmap-until`). " if settings.colmap_until else ". ")
-    elif settings.colmap:
+    elif settings.colmap and colmap_version() is None:
         text += "COLMAP is not installed there (`apt-get install colmap`), so there is nothing to compare with. "
-    else:
+    elif not settings.colmap:
         text += "COLMAP was left out (`--no-colmap`). "
     if any(result.given.database and result.given.photographs for result in results):
         text += "The matches came from a database, as in the paper's experiments, and not from the photographs. "
