@@ -76,6 +76,20 @@ class Arithmetic(unittest.TestCase):
         self.assertEqual(arithmetic.thread_counts(16), [1, 2, 4, 8, 16])
 
 
+    def test_the_geometric_mean(self):
+        self.assertAlmostEqual(arithmetic.geometric_mean([0.1, 0.4]), 0.2)
+        for values in ([], [0.1, None], [0.1, 0]):
+            self.assertIsNone(arithmetic.geometric_mean(values))
+
+
+class Provenance(unittest.TestCase):
+    def test_no_folder_of_this_machine_is_written_down(self):
+        words = ("tools/bench/run", "real", "--psfm", "/tmp/x/psfm", "--work=/tmp/w", "--scenes", "kermit",
+                 "--datasets", "/data", "--output", "/tmp/o")
+        self.assertEqual(bench_settings.named_command(words), "tools/bench/run real --psfm PSFM --work=WORK "
+                         "--scenes kermit --datasets DIR --output OUT")
+
+
 class Sessions(unittest.TestCase):
     def test_growth_is_that_of_the_asked_windows(self):
         points = [(image, 2.0 if image > 500 else 1.0) for image in range(1, 601)]

@@ -23,6 +23,13 @@ def quotient(value, by):
     return None if value is None or not by else value / by
 
 
+def geometric_mean(values):
+    """None of nothing, or where one is not known or not above 0."""
+    if not values or any(value is None or value <= 0 for value in values):
+        return None
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
 def within(points, first, last):
     """Values of the points (position, value) with first < position <= last."""
     return [value for position, value in points if first < position <= last]

@@ -24,6 +24,7 @@ class Settings:
     images: int | None = None   # the first N only
     repeats: int = 1
     threads: int | None = None  # None: the machine's
+    kept_colmap: bool = False   # COLMAP's last results, where the part keeps them
     command: tuple = ()         # as it was given, to be written down
 
 
@@ -39,10 +40,24 @@ def scratch(settings, name):
     return folder
 
 
+# Folders of whoever measured, and what stands for them in what is written down.
+NAMED = {"--psfm": "PSFM", "--datasets": "DIR", "--work": "WORK", "--output": "OUT"}
+
+
+def named_command(words):
+    """As a line for the shell, with names in place of the folders of this machine."""
+    named, option = [], ""
+    for word in words:
+        before, is_pair, _ = word.partition("=")
+        named.append(NAMED.get(option) or (f"{before}={NAMED[before]}" if is_pair and before in NAMED else word))
+        option = word
+    return shlex.join(named)
+
+
 def provenance(settings):
     """With what, on what and when; taken before the work begins, for the load to be that of others."""
     return {"psfm": identity_of(settings.psfm), "machine": machine(), "load": load_average(),
-            "date": datetime.date.today().isoformat(), "command": shlex.join(settings.command)}
+            "date": datetime.date.today().isoformat(), "command": named_command(settings.command)}
 
 
 def chosen(settings, known):

@@ -50,7 +50,8 @@ def settings_of(options, command, threads=None):
                      "give --psfm FILE")
     return Settings(datasets=absolute(options.datasets), psfm=psfm, work=absolute(options.work),
                     scenes=tuple(options.scenes), images=options.images, repeats=options.repeats,
-                    threads=threads, command=tuple(command))
+                    threads=threads, command=tuple(command),
+                    kept_colmap=getattr(options, "kept_colmap", False))
 
 
 def watched_main(main, arguments):

@@ -8,8 +8,8 @@ import sqlite3
 import scenes
 from arithmetic import median
 from bench_settings import photographs_of, scratch, write_order
-from colmap_progressive import colmap_version
 from console import Failed, answer, say
+from peers import required_colmap
 from report import number, table
 from watched import watch
 
@@ -47,8 +47,7 @@ def keep_features(database, count):
 
 
 def measure(settings):
-    if colmap_version() is None:
-        raise Failed("COLMAP is not installed (apt-get install colmap), so there is nothing to compare with")
+    required_colmap()
     program = settings.psfm.parent / "tests/bench/match_database"
     if not program.is_file():
         raise Failed(f"{program} is not there; it is built where Google Benchmark is (apt-get install libbenchmark-dev)")

@@ -8,6 +8,7 @@ import kernels
 import matching
 import over_session
 import peers
+import real
 import simulated
 import thread_scaling
 
@@ -30,6 +31,8 @@ class Part:
 PARTS = (
     Part("peers", "Whole programs", "psfm and COLMAP on castle-P19, fountain-P11 and books, in turn: time, memory, "
          "accuracy", peers.measure, peers.section),
+    Part("real", "Ordinary photographs", "beside COLMAP on Strecha's scenes, sceaux, kermit, lund and real/: placed, "
+         "errors, time, memory", real.measure, real.section),
     Part("matching", "Descriptor matching", "pairs a second beside COLMAP's matcher, on the same descriptors",
          matching.measure, matching.section),
     Part("kernels", "Kernels", "the Google Benchmark programs of tests/bench", kernels.measure, kernels.section),

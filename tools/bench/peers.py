@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import scenes
 from arithmetic import median, quotient
 from bench_settings import chosen, photographs_of, scratch, thread_options, write_order
-from colmap_progressive import colmap_version, judge, models_in
+from colmap_model import models_in
+from colmap_progressive import colmap_version, judge
 from console import Failed, answer_json, say
 from report import number, significant, table
 from watched import watch
@@ -23,7 +24,8 @@ photographs, of which nothing is known. Programs take turns; a ratio is the medi
 
 @dataclass(frozen=True)
 class Peer:
-    """A scene and what is known of its cameras: "given" (in the reference) or "shared" by all photographs."""
+    """A scene and what is known of its cameras: "given" (in the reference), "shared" by all photographs, or
+    "unsaid": psfm decides by itself, COLMAP takes one camera."""
     source: scenes.Photographs
     intrinsics: str
 
@@ -48,7 +50,9 @@ def given_pinhole(reference):
     return next(iter(found))[1]
 
 
-def _colmap_commands(settings, peer, photographs, reference, names, folder):
+def colmap_commands(settings, peer, given, folder):
+    """@return ({step: command}, folder that the mapper writes into)"""
+    photographs, names, reference = given
     database, sparse = folder / "database.db", folder / "sparse"
     sparse.mkdir()
     camera, fixed = [], []
@@ -67,7 +71,7 @@ def _colmap_commands(settings, peer, photographs, reference, names, folder):
     }, sparse
 
 
-def _result(steps, judged):
+def result_of(steps, judged):
     """@param steps  {name: watched.Watched}"""
     runs = list(steps.values())
     return {"seconds": sum(run.seconds for run in runs),
@@ -77,30 +81,33 @@ def _result(steps, judged):
 
 
 def _run_colmap(settings, peer, given):
-    photographs, names, reference = given
     folder = scratch(settings, f"peers/{peer.name}-colmap")
-    commands, sparse = _colmap_commands(settings, peer, photographs, reference, names, folder)
+    commands, sparse = colmap_commands(settings, peer, given, folder)
     steps = {name: watch(command, folder / f"{name}.txt") for name, command in commands.items()}
-    judged = judge(settings, models_in(sparse), reference)
+    judged = judge(settings, models_in(sparse), given[2])
     shutil.rmtree(folder)
-    return _result(steps, judged)
+    return result_of(steps, judged)
+
+
+def psfm_command(settings, peer, given, folder, mode=()):
+    photographs, names, reference = given
+    cameras = {"given": ["--cameras", reference, "--fix-intrinsics"], "shared": ["--camera-sharing", "all"],
+               "unsaid": []}[peer.intrinsics]
+    return [settings.psfm, "run", photographs, "--session", folder / "session", "--order", write_order(folder, names),
+            *cameras, *mode, *thread_options(settings)]
 
 
 def _run_psfm(settings, peer, given, mode):
-    photographs, names, reference = given
+    reference = given[2]
     folder = scratch(settings, f"peers/{peer.name}-psfm")
-    cameras = (["--cameras", reference, "--fix-intrinsics"] if peer.intrinsics == "given"
-               else ["--camera-sharing", "all"])
-    command = [settings.psfm, "run", photographs, "--session", folder / "session", "--order",
-               write_order(folder, names), *cameras, *mode, *thread_options(settings)]
-    run = watch(command, folder / "psfm.txt")
+    run = watch(psfm_command(settings, peer, given, folder, mode), folder / "psfm.txt")
     status = answer_json([settings.psfm, "status", "--session", folder / "session", "--json"])
     evaluation = answer_json([settings.psfm, "evaluate", "--reference", reference, "--session", folder / "session",
                               "--json"], accept=None) if reference else None
     shutil.rmtree(folder)
     model = ((evaluation or {}).get("models") or [{}])[0]
-    return _result({"run": run}, {"placed": status["placed"], "largest": model.get("registered"),
-                                  "outliers": model.get("outliers"), "ate_mean": model.get("ate_mean")})
+    return result_of({"run": run}, {"placed": status["placed"], "largest": model.get("registered"),
+                                    "outliers": model.get("outliers"), "ate_mean": model.get("ate_mean")})
 
 
 def _round(settings, peer, given):
@@ -109,11 +116,16 @@ def _round(settings, peer, given):
             "psfm, one by one": _run_psfm(settings, peer, given, ["--deterministic"])}
 
 
-def measure(settings):
+def required_colmap():
+    """@return its version"""
     version = colmap_version()
     if version is None:
         raise Failed("COLMAP is not installed (apt-get install colmap), so there is nothing to compare with")
-    result = {"colmap": version, "scenes": {}}
+    return version
+
+
+def measure(settings):
+    result = {"colmap": required_colmap(), "scenes": {}}
     for peer in chosen(settings, SCENES):
         given = photographs_of(settings, peer.source)
         rounds = []

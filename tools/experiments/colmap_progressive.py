@@ -6,10 +6,10 @@ The paper's baseline in progressive mode, with what COLMAP offers for it: `mappe
 largest model of the step before with the images that have arrived by then (`--image_list_path`).
 """
 import shutil
-import struct
 from pathlib import Path
 
 import orders
+from colmap_model import models_in, registered_names
 from console import Failed, answer, answer_json, call, load_average, say
 from kept import Kept, digest_of_file, digest_of_names
 
@@ -23,27 +23,6 @@ def colmap_version():
         return None
     words = answer(["colmap", "help"], accept=None).split()
     return words[1] if len(words) > 1 and words[0] == "COLMAP" else "unknown"
-
-
-def registered_names(model):
-    """Names of the images in a binary COLMAP model."""
-    data = (Path(model) / "images.bin").read_bytes()
-    (count,) = struct.unpack_from("<Q", data, 0)
-    names, at = [], 8
-    for _ in range(count):
-        at += 4 + 7 * 8 + 4  # id, pose, camera
-        end = data.index(b"\0", at)
-        names.append(data[at:end].decode(errors="surrogateescape"))
-        (points,) = struct.unpack_from("<Q", data, end + 1)
-        at = end + 9 + points * 24
-    return names
-
-
-def models_in(folder):
-    """Model folders below, largest first: the folder itself for a continued model, else 0, 1, …"""
-    folders = [folder] if (folder / "images.bin").exists() else [
-        part for part in folder.iterdir() if (part / "images.bin").exists()]
-    return sorted(folders, key=lambda part: (-len(registered_names(part)), part.name))
 
 
 def judge(settings, models, reference):

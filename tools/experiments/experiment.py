@@ -32,11 +32,11 @@ class RunResult:
     commands: list = field(default_factory=list)
 
 
-def _measured(settings, session, reference):
+def measured(settings, session, reference, made_by=None):
     status = psfm_session.status_of(settings, session)
     lines = session.log.read_text(errors="replace").splitlines()
     log = measurements.parse_log(lines, session.log)
-    evaluation = psfm_session.evaluate_session(settings, session, reference)
+    evaluation = psfm_session.evaluate_session(settings, session, reference, made_by)
     differ = measurements.disagreements(log.rows, evaluation)
     if differ:
         image, logged, stored = differ[0]
@@ -56,7 +56,7 @@ def _shared_matches(settings, run):
     return psfm_session.export_database(settings, session)[0]
 
 
-def _matches_for(settings, run):
+def matches_for(settings, run):
     if not isinstance(run.source, Photographs):
         return None
     if settings.database is not None:
@@ -66,11 +66,11 @@ def _matches_for(settings, run):
 
 def run_one(settings, experiment, run, *, first):
     """@param first  also in batch mode: that does not depend on the order, so once for the same images is enough"""
-    given = resolve(settings, run, _matches_for(settings, run))
+    given = resolve(settings, run, matches_for(settings, run))
     say(f"{experiment.name}, {run.words}: {len(given.names)} images")
     folder = settings.work / experiment.name / (run.name + (f"-first-{settings.images}" if settings.images else ""))
     session = psfm_session.run_session(settings, folder / "psfm", given)
-    result = RunResult(run, given, folder, _measured(settings, session, given.reference))
+    result = RunResult(run, given, folder, measured(settings, session, given.reference))
     result.commands.append(session.record["command"])
     database = given.database
     if database is None:
@@ -79,7 +79,7 @@ def run_one(settings, experiment, run, *, first):
     if first:
         matches = replace(given, database=Path(database), identity=f"matches of {session.record}")
         batch = psfm_session.run_session(settings, folder / "psfm-batch", matches, batch=True)
-        result.psfm_batch = _measured(settings, batch, given.reference)
+        result.psfm_batch = measured(settings, batch, given.reference)
         result.commands.append(batch.record["command"])
     result.colmap = run_colmap(settings, folder / "colmap", given, database, batch=first)
     if result.colmap:

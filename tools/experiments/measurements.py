@@ -119,6 +119,12 @@ def holds_from(rows, holds):
     return start
 
 
+def summed_outliers(rows):
+    """Over all states of the session, each as it was after one more image: how much was ever shown wrong."""
+    known = [row.outliers for row in rows if row.outliers is not None]
+    return sum(known) if known else None
+
+
 def most_outliers(rows, after=20):
     known = [row.outliers for row in rows if row.arrived > after and row.outliers is not None]
     return max(known, default=None)

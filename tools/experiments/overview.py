@@ -38,6 +38,9 @@ solves that several images shared; *extended* and *transferred* ones begin with 
 nothing; *settled* are the last adjustments once no image follows. A solve's time is its own: solves that run beside one
 another are added up.
 
+`orders`, the promise as a table, is none of the paper's: real scenes in many orders, in deterministic and in default
+mode, and whether they all end alike.
+
 ## Repeat
 
 ```
@@ -47,6 +50,7 @@ export PSFM_DATASETS=DIR                             # the folder with temple-34
 tools/experiments/run --list
 tools/experiments/run temple-unfortunate             # or all
 tools/experiments/run temple-shuffled --images 60    # the first 60 of each order, to try; writes into --work only
+tools/experiments/run orders --scenes street         # a part of the table; also --orders, --modes
 ```
 
 `--work` (`build/experiments`) keeps sessions, logs and COLMAP's models. What is there already is used again, so that a

@@ -37,9 +37,23 @@ def _notes(psfm, command, seconds, load):
             "load": load, "machine": machine(), "date": datetime.date.today().isoformat()}
 
 
-def run_session(settings, folder, given, *, batch=False):
-    """A finished session in `folder`: taken as it is, continued, or made."""
-    kept = Kept(folder, {"order": digest_of_names(given.names), "from": given.identity, "batch": batch})
+def _manner(batch, deterministic):
+    if batch:
+        return " at once"
+    return " one after the other" if deterministic else ", several in flight"
+
+
+def run_session(settings, folder, given, *, batch=False, deterministic=None):
+    """A finished session in `folder`: taken as it is, continued, or made.
+
+    @param deterministic  None: where it is no batch
+    """
+    asked = {"order": digest_of_names(given.names), "from": given.identity, "batch": batch}
+    if deterministic is None:
+        deterministic = not batch
+    elif deterministic == batch:
+        asked["deterministic"] = deterministic  # unsaid otherwise, so that older sessions are still known
+    kept = Kept(folder, asked)
     session, log = kept.folder / "session", kept.folder / "log.jsonl"
     record = None if settings.again else kept.record()
     if record is not None:
@@ -49,7 +63,8 @@ def run_session(settings, folder, given, *, batch=False):
         return Session(session, log, record)
 
     order = kept.folder / "order.txt"
-    options = ["--session", session, "--log", log, "--batch" if batch else "--deterministic"]
+    options = ["--session", session, "--log", log, *(["--batch"] if batch else []),
+               *(["--deterministic"] if deterministic else [])]
     if given.database is not None:
         command = [settings.psfm, "import", "--colmap-database", given.database, "--order", order, *options]
     else:
@@ -64,7 +79,7 @@ def run_session(settings, folder, given, *, batch=False):
                 from failure
         seconds = None  # of the first attempt, nobody knows
     else:
-        say(f"  psfm, {len(given.names)} images{' at once' if batch else ' one after the other'} …")
+        say(f"  psfm, {len(given.names)} images{_manner(batch, deterministic)} …")
         kept.begin()
         orders.write_order(order, given.names)
         seconds, _ = call(command, kept.folder / "psfm.txt")
@@ -88,12 +103,27 @@ def status_of(settings, session):
     return answer_json([settings.psfm, "status", "--session", session.folder, "--json"])
 
 
-def evaluate_session(settings, session, reference):
-    """`psfm evaluate` of every version; None where there is nothing to judge. Kept beside the session."""
+def export_model(settings, session):
+    """The largest effective cluster as a COLMAP model."""
+    kept = Kept(session.folder.parent / "model", {"session": session.record})
+    if kept.record() is None:
+        kept.begin()
+        call([settings.psfm, "export", "--session", session.folder, "--format", "colmap", "--output",
+              kept.folder / "models"], kept.folder / "export.txt")
+        kept.finish({})
+    return kept.folder / "models/0"
+
+
+def evaluate_session(settings, session, reference, made_by=None):
+    """`psfm evaluate` of every version; None where there is nothing to judge. Kept beside the session.
+
+    @param made_by  notes of the session whose model the reference is, where it is one
+    """
     if reference is None:
         return None
     kept = Kept(session.folder.parent / "evaluation",
-                {"session": session.record, "psfm": identity_of(settings.psfm)["sha"], "reference": str(reference)})
+                {"session": session.record, "psfm": identity_of(settings.psfm)["sha"], "reference": str(reference),
+                 **({"made_by": made_by} if made_by else {})})
     record = kept.record()
     if record is None:
         say("  judging what it looked like after every image …")

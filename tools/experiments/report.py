@@ -7,6 +7,7 @@ import textwrap
 
 import measurements
 import orders
+from colmap_progressive import colmap_version
 
 MOST_EVENTS = 12
 
@@ -168,7 +169,7 @@ def in_short(results):
     return "In short: " + "; ".join(parts) + "."
 
 
-def _provenance(settings, results):
+def provenance(settings, results):
     records = [result.psfm.record for result in results]
 
     def one(values):
@@ -186,17 +187,18 @@ def _provenance(settings, results):
     if colmaps:
         text += f"COLMAP {one(colmaps)} was fed the same verified matches in the same order"
         text += (f", up to {settings.colmap_until} images (`--colmap-until`). " if settings.colmap_until else ". ")
-    elif settings.colmap:
+    elif settings.colmap and colmap_version() is None:
         text += "COLMAP is not installed there (`apt-get install colmap`), so there is nothing to compare with. "
-    else:
+    elif not settings.colmap:
         text += "COLMAP was left out (`--no-colmap`). "
     if any(result.given.database and result.given.photographs for result in results):
         text += "The matches came from a database, as in the paper's experiments, and not from the photographs. "
     return paragraph(text)
 
 
-def _again(settings, experiment):
+def again(settings, experiment):
     words = f"tools/experiments/run {experiment.name}"
+    words += "".join(f" --{name} {' '.join(given)}" for name, given in settings.parts().items() if given)
     words += f" --images {settings.images}" if settings.images else ""
     words += " --share-matches" if settings.share_matches else ""
     words += f" --database $MATCHES/{settings.database.name}" if settings.database else ""
@@ -210,7 +212,7 @@ def write_page(settings, experiment, results, plots):
     if settings.images:
         parts.append(f"**A trial with the first {settings.images} images of each order.** What stands for \"at once\" is "
                      "the first order's images.\n")
-    parts += [in_short(results) + "\n", _provenance(settings, results), "## Result\n", results_table(results),
+    parts += [in_short(results) + "\n", provenance(settings, results), "## Result\n", results_table(results),
               "What the columns mean is told in [README.md](README.md).\n", "## While the images arrive\n"]
     for result, plot in zip(results, plots, strict=True):
         parts += [f"### {result.run.words[0].upper() + result.run.words[1:]}\n",
@@ -219,7 +221,7 @@ def write_page(settings, experiment, results, plots):
               paragraph("A dash: not so in the end" + (", or not reported by the paper." if experiment.paper else ".")),
               "## Work saved\n", work_table(results),
               "## Commands\n",
-              paragraph(f"All of it: `{_again(settings, experiment)}`. What that ran, where `$WORK` is its `--work`" +
+              paragraph(f"All of it: `{again(settings, experiment)}`. What that ran, where `$WORK` is its `--work`" +
                         (" and `$MATCHES` the folder of the database:" if settings.database else ":"))]
     parts += [commands_text(settings, result) for result in results]
     file = settings.output / f"{experiment.name}.md"

@@ -26,6 +26,13 @@ class Settings:
     colmap: bool = True
     colmap_until: int | None = None  # images after which COLMAP is not continued
     again: bool = False
+    # Of the table of orders: names; none: all of them.
+    scenes: tuple = ()
+    orders: tuple = ()
+    modes: tuple = ()
+
+    def parts(self):
+        return {"scenes": self.scenes, "orders": self.orders, "modes": self.modes}
 
 
 @dataclass(frozen=True)
