@@ -59,6 +59,26 @@ function(psfm_add_library name)
   endif()
 endfunction()
 
+# psfm_embed_presets(OUTPUT): a source with preset_text() (scheduler/session/presets.h), the files of scheduler/presets.
+function(psfm_embed_presets output)
+  file(GLOB presets CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/scheduler/presets/*.txt")
+  set(cases "")
+  foreach(file IN LISTS presets)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+    file(READ "${file}" text)
+    cmake_path(GET file STEM LAST_ONLY name)
+    string(APPEND cases "    if (name == \"${name}\") return R\"psfm(${text})psfm\";\n")
+  endforeach()
+  file(CONFIGURE OUTPUT "${output}" @ONLY CONTENT [[
+#include "scheduler/session/presets.h"
+namespace psfm {
+std::optional<std::string_view> preset_text(std::string_view name) {
+@cases@    return std::nullopt;
+}
+}  // namespace psfm
+]])
+endfunction()
+
 # psfm_add_umbrella(NAME LIBRARIES...): psfm::NAME is those of the folders below, all together.
 function(psfm_add_umbrella name)
   add_library(psfm_${name} INTERFACE)

@@ -17,7 +17,10 @@ namespace psfm {
 struct NamedOption {
     std::string_view name;  ///< "stage.field"; never changes its meaning once released
     std::string_view what;  ///< one line for a person
-    double low = 0.0;       ///< range, both ends allowed
+    /// Where its default comes from: the paper or a program and its name there, or "ours" with what
+    /// it was tuned on or the document of its figures; "not tuned".
+    std::string_view source;
+    double low = 0.0;  ///< range, both ends allowed
     double high = 0.0;
     double (*get)(const StageOptions&) = nullptr;
     void (*set)(StageOptions&, double) = nullptr;

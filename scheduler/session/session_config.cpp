@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/session/option_table.h"
+#include "scheduler/session/presets.h"
 #include "scheduler/session/whole_number.h"
 
 namespace psfm {
@@ -44,23 +45,6 @@ Result<Camera> decode_camera(const json& object) {
     return camera;
 }
 
-/// What sessions of psfm 0.1, which stored no options, go on with: its values of those that have
-/// another default since.
-std::map<std::string, double> options_before_they_were_stored() {
-    return {{"clustering.join_below", 0},
-            {"edges.min_weak_inliers", 0},
-            {"edges.still.min_pairs", 0},
-            {"solve.assessment.max_invented", 0},
-            {"solve.doubt.max_images", 0},
-            {"solve.few_points.min_points", 0},
-            {"solve.settling.noise.loss", 0},
-            {"solve.settling.noise.max_error", 0},
-            {"verification.cells.min_strongest_matches", 10},
-            {"verification.verify.max_uncalibrated_error_px", 2},
-            {"verification.verify.min_inlier_ratio", 0.25},
-            {"verification.verify.still.min_matches", 0}};
-}
-
 }  // namespace
 
 std::optional<History> history_from_name(std::string_view name) {
@@ -75,31 +59,12 @@ std::string_view history_name(History history) {
 Result<StageOptions> stage_options(const SessionConfig& config) {
     StageOptions options;
     options.features.masks = config.masks;
-    if (config.preset == "paper") {
-        options.clustering.form = JaccardForm::kLiteral;
-        options.clustering.join_below = 0;
-        options.clustering.join_up_to = 0;
-        options.edges.min_weak_inliers = 0;
-        options.edges.min_relative_plausibility = 0.0;
-        options.solve.rotation_averaging = RotationAveragingOptions{};
-        options.solve.plausibility.reset();
-        options.solve.settling.images_for_principal_point = 0;
-        options.solve.settling.noise = NoiseBounds{};
-        options.solve.few_points.min_points = 0;
-        options.solve.max_reset_images = 0.0;
-        options.solve.places.min_contradictions = 0;
-        options.solve.loops.min_open_edges = 0;
-        options.solve.assessment.max_invented = 0.0;
-        options.solve.policy = paper_policy();
-        options.verification.enough_pairs = 0;
-        options.verification.verify.still.min_matches = 0;
-        options.edges.still.min_pairs = 0;
-        options.merge.constraint.border_cameras = 0;
-        options.merge.constraint.min_unmatched_cameras = 0;
-    } else if (config.preset != "default") {
+    const auto preset = preset_options(config.preset);
+    if (!preset) {
         return Error{ErrorCode::kInvalidArgument,
                      "unknown preset '" + config.preset + "'; there are default and paper"};
     }
+    if (const auto set = set_options(options, *preset); !set.ok()) return set.error();
     if (const auto set = set_options(options, config.options); !set.ok()) return set.error();
     if (config.keep_world) options.merge.use_gps = false;
     return options;
@@ -167,7 +132,7 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.history = *history;
         config.options = object.contains("options")
                              ? object.at("options").get<std::map<std::string, double>>()
-                             : options_before_they_were_stored();
+                             : preset_options("0.1").value();  // which stored none
         config.memory_mib =
             whole_number_or<std::uint32_t>(object, "memory_mib", SessionConfig{}.memory_mib);
     } catch (const json::exception&) {

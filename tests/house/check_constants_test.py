@@ -82,7 +82,7 @@ class CheckConstants(unittest.TestCase):
             self.assert_accepted(body.format(name))
         self.assert_refused(body.format("Merge"), "2: kMost")
         self.assert_refused(body.format("MergeOptions") + "constexpr int kA = 5;\n", "5: kA")
-        self.write("constexpr std::array kTable{Range{0, 5}};\n", "scheduler/session/option_table.cpp")
+        self.write("constexpr std::array kTable{Range{0, 5}};\n", "scheduler/session/options_of_solving.cpp")
         self.assert_accepted("")
 
     def test_what_is_no_constant(self):

@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
+
+#include "scheduler/session/presets.h"
 
 namespace psfm {
 namespace {
@@ -25,6 +29,35 @@ TEST(OptionTable, EveryNameSetsItsOwnFieldAndDefaultsLieInTheirRanges) {
             }
         }
     }
+}
+
+TEST(OptionTable, IsSortedAndSaysWhatEachIsAndWhereItComesFrom) {
+    EXPECT_TRUE(std::ranges::is_sorted(option_table(), {}, &NamedOption::name));
+    for (const NamedOption& option : option_table()) {
+        EXPECT_FALSE(option.what.empty()) << option.name;
+        EXPECT_FALSE(option.source.empty()) << option.name;
+    }
+}
+
+TEST(OptionTable, PresetsAreReadToTheirLastLine) {
+    for (const char* name : {"paper", "0.1"}) {
+        const auto text = preset_text(name);
+        ASSERT_TRUE(text) << name;
+        const auto options = preset_options(name);
+        ASSERT_TRUE(options) << name << " names an option that there is not";
+        std::size_t lines = 0;
+        for (std::size_t i = 0; i + 1 < text->size(); ++i)
+            lines += (*text)[i] == '\n' && std::islower((*text)[i + 1]) != 0 ? 1 : 0;
+        EXPECT_EQ(options->size(), lines) << name;
+        StageOptions set;
+        EXPECT_TRUE(set_options(set, *options).ok()) << name;
+    }
+    EXPECT_TRUE(preset_options("default")->empty());
+    EXPECT_FALSE(preset_options("other"));
+    SessionConfig paper;
+    paper.preset = "paper";
+    EXPECT_FALSE(stage_options(paper)->solve.plausibility);
+    EXPECT_EQ(stage_options(paper)->clustering.form, JaccardForm::kLiteral);
 }
 
 TEST(OptionTable, SettingsAreNumbersInTheirRanges) {

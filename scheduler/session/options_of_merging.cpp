@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+
+#include "scheduler/session/named_options.h"
+
+namespace psfm {
+namespace {
+
+// How one cluster's points are brought onto another's: of clusters that are merged, and of models
+// that are joined.
+#define PSFM_CONSTRAINT_OPTIONS(FIELD)                                                             \
+    PSFM_OPTION(FIELD.max_error, 1e-5, 1,                                                          \
+                "image distance at which two clusters' points agree, over the longer side",        \
+                "ours: 8 px in 1536"),                                                             \
+        PSFM_OPTION(FIELD.min_edge_inliers, 3, kCount, "inliers that one edge's similarity needs", \
+                    "not tuned"),                                                                  \
+        PSFM_OPTION(FIELD.min_pair_inliers, 3, kCount,                                             \
+                    "inliers that two clusters' similarity needs", "not tuned"),                   \
+        PSFM_OPTION(FIELD.min_inlier_ratio, 0, 1,                                                  \
+                    "part of the correspondences that have to agree", "not tuned"),                \
+        PSFM_OPTION(FIELD.min_neighborhood_similarity, 0, 1,                                       \
+                    "similarity of neighbourhoods below which an edge between clusters is wrong",  \
+                    "paper: lambda_s"),                                                            \
+        PSFM_OPTION(FIELD.border_cameras, 0, kCount,                                               \
+                    "cameras that may change their neighbour in any case; 0: none",                \
+                    "ours: clusters of five; paper: 0"),                                           \
+        PSFM_OPTION(                                                                               \
+            FIELD.companion_offset, 0, 100,                                                        \
+            "distance of cameras that stand beside each other, over the depth of what they see",   \
+            "solve.places.max_offset"),                                                            \
+        PSFM_OPTION(FIELD.companion_turn_deg, 0, 180, "and their turn [deg]",                      \
+                    "solve.places.max_turn_deg"),                                                  \
+        PSFM_OPTION(                                                                               \
+            FIELD.min_unmatched_cameras, 0, kCount,                                                \
+            "cameras without an edge to those beside them that keep clusters apart; 0: never",     \
+            "ours, on the simulated town; paper: 0"),                                              \
+        PSFM_OPTION(FIELD.max_unmatched_part, 0, 1,                                                \
+                    "and their part of all that stand beside some",                                \
+                    "ours, on the simulated town"),                                                \
+        PSFM_OPTION(FIELD.max_edges_per_pair, 0, kCount,                                           \
+                    "edges looked at between two clusters; 0: all",                                \
+                    "not tuned: fifty fix seven numbers"),                                         \
+        PSFM_OPTION(FIELD.confidence, 0, 0.999999999,                                              \
+                    "chance of one clean sample at which RANSAC stops", "not tuned"),              \
+        PSFM_OPTION(FIELD.max_ransac_iterations, 1, kCount, "samples at most",                     \
+                    "ours: three times what the confidence asks")
+
+// clang-format off
+constexpr std::array kTable{
+    PSFM_CONSTRAINT_OPTIONS(merge.constraint),
+    PSFM_CONSTRAINT_OPTIONS(solve.transfer),
+    PSFM_OPTION(merge.pose_graph.huber_scale, 1e-6, 1000, "residual at which the pose graph's loss turns linear", "not tuned"),
+    PSFM_OPTION(merge.pose_graph.max_iterations, 1, kCount, "steps of the pose graph", "not tuned"),
+    PSFM_OPTION(merge.pose_graph.max_residual, 1e-6, 1e9, "residual above which a constraint is dropped", "not tuned"),
+    PSFM_OPTION(merge.use_gps, 0, 1, "parts are placed by the positions in photographs' files", "ours"),
+    PSFM_OPTION(merge.use_gravity, 0, 1, "photographs' orientation tells up", "ours"),
+    PSFM_OPTION(merge.gravity.min_mean_up, 0, 1, "how alike up is for all cameras before it is told from down", "not tuned"),
+    PSFM_OPTION(merge.gravity.min_sigma_deg, 0.001, 90, "standard deviation of gravity at least [deg]", "not tuned"),
+    PSFM_OPTION(merge.gravity.pitch_sigma_deg, 0.001, 180, "standard deviation of the optical axis from the horizon [deg]", "not tuned"),
+    PSFM_OPTION(merge.gravity.roll_sigma_deg, 0.001, 180, "standard deviation of the horizontal axis from it [deg]", "not tuned"),
+    PSFM_OPTION(merge.georeference.hold, 0, 1000, "standard errors by which a published place is kept; 0: it follows each version", "not tuned"),
+    PSFM_OPTION(merge.georeference.hold_angle_deg, 0, 180, "turn that is kept in any case [deg]", "not tuned"),
+    PSFM_OPTION(merge.georeference.horizontal_sigma_m, 0.001, 1e5, "standard deviation of positions, east and north [m]", "GPS.gov: 4.9 m under open sky"),
+    PSFM_OPTION(merge.georeference.max_heading_sigma, 1e-4, 10, "standard deviation of the heading at most [rad]", "ours: 14 degrees"),
+    PSFM_OPTION(merge.georeference.min_inlier_ratio, 0, 1, "part of a part's positions that have to agree with its place", "not tuned"),
+    PSFM_OPTION(merge.georeference.min_positions, 3, kCount, "positions that a place needs", "two cannot contradict each other"),
+    PSFM_OPTION(merge.georeference.samples, 1, kCount, "minimal samples tried", "ours: all miss with a chance of 3e-12"),
+    PSFM_OPTION(merge.georeference.vertical_sigma_m, 0.001, 1e5, "standard deviation of altitudes [m]", "ours: three times worse"),
+};
+// clang-format on
+#undef PSFM_CONSTRAINT_OPTIONS
+
+}  // namespace
+
+std::span<const NamedOption> options_of_merging() {
+    return kTable;
+}
+
+}  // namespace psfm

@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+
+#include "scheduler/session/named_options.h"
+
+namespace psfm {
+namespace {
+
+#define PSFM_ADJUSTMENT_OPTIONS(FIELD, FROM)                                                      \
+    PSFM_OPTION(FIELD.loss_scale_px, 1e-4, 1000,                                                  \
+                "residual from which an observation loses weight [px]", FROM),                    \
+        PSFM_OPTION(FIELD.max_iterations, 1, 1e6, "iterations at most", FROM),                    \
+        PSFM_OPTION(FIELD.function_tolerance, 0, 1,                                               \
+                    "a step that lowers the cost by a smaller part is the last", FROM),           \
+        PSFM_OPTION(FIELD.max_reduced_mib, 0, kCount,                                             \
+                    "memory of the reduced system up to which it is formed point by point [MiB]", \
+                    "ours; docs/performance.md"),                                                 \
+        PSFM_OPTION(                                                                              \
+            FIELD.sigma_per_scale, 0, 100,                                                        \
+            "standard deviation of an observation over its feature's scale; 0: all count alike",  \
+            "ours, on Strecha's scenes; docs/accuracy.md"),                                       \
+        PSFM_OPTION(                                                                              \
+            FIELD.principal_point_sigma, 1e-6, 10,                                                \
+            "standard deviation of a principal point from the centre, over the longer side",      \
+            "ours: Strecha's cameras have 0.007")
+
+#define PSFM_REFINEMENT_OPTIONS(FIELD, FROM)                                                    \
+    PSFM_ADJUSTMENT_OPTIONS(FIELD.adjustment, FROM),                                            \
+        PSFM_OPTION(FIELD.max_rounds, 1, 1000,                                                  \
+                    "rounds of completing, adjusting and filtering at most", FROM),             \
+        PSFM_OPTION(FIELD.max_change, 0, 1,                                                     \
+                    "a round that changes a smaller part of the observations is the last",      \
+                    "COLMAP 3.8"),                                                              \
+        PSFM_OPTION(FIELD.images_for_principal_point, 0, kCount,                                \
+                    "images that share a camera for its principal point to be free; 0: never",  \
+                    "ours, on Strecha's scenes; docs/accuracy.md"),                             \
+        PSFM_OPTION(FIELD.points_per_image, 0, kCount,                                          \
+                    "points adjusted together with the cameras, seen by each image; 0: all",    \
+                    "ours; docs/accuracy.md"),                                                  \
+        PSFM_OPTION(FIELD.thin_from_images, 0, kCount, "images from which only so many are",    \
+                    "ours; docs/accuracy.md"),                                                  \
+        PSFM_OPTION(FIELD.noise.loss, 0, 1000,                                                  \
+                    "width of the adjustment's loss, in noises of the model; 0: loss_scale_px", \
+                    "ours, on castle-P19; docs/notebook, noise"),                               \
+        PSFM_OPTION(FIELD.noise.max_error, 0, 1000,                                             \
+                    "error of an observation that is kept, in noises of the model; 0: "         \
+                    "solve.tracks.max_error_px",                                                \
+                    "ours, on brighton; docs/notebook, noise")
+
+// clang-format off
+constexpr std::array kTable{
+    PSFM_MOVED_OPTION("solve.mu_min", solve.policy.mu_min, 2, kCount, "images that a cluster needs to be reconstructed", "paper: mu_min"),
+    PSFM_MOVED_OPTION("solve.mu_max", solve.policy.mu_max, 2, kCount, "images up to which a new cluster is started incrementally", "paper: mu_max"),
+    PSFM_MOVED_OPTION("solve.eta_grow", solve.policy.full_adjustment.again_when_grown_by, 1e-6, 100, "growth after which all of a model is adjusted", "paper: eta_grow"),
+    PSFM_MOVED_OPTION("solve.doubt.max_images", solve.policy.doubt_up_to, 0, 2000, "images up to which a model is compared with others at the end; 0: none is", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.policy.affordable_up_to, 1, kCount, "images up to which a model is adjusted and asked as a whole when it has grown", "ours; docs/performance.md"),
+    PSFM_OPTION(solve.policy.converge_up_to, 1, kCount, "images up to which that goes to convergence", "ours; docs/performance.md"),
+    PSFM_OPTION(solve.policy.large_from, 1, kCount, "images from which new ones are added by what they can change", "ours; docs/performance.md"),
+    PSFM_OPTION(solve.policy.new_start.again_when_grown_by, 0, 100, "growth after which a model that leaves much out is compared with a new one", "not tuned"),
+    PSFM_OPTION(solve.policy.places.again_when_grown_by, 0, 100, "growth after which a model is asked for places again", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.policy.places.whole_up_to, 0, kCount, "images up to which it is asked each time", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.policy.rotations.again_when_grown_by, 0, 100, "growth after which a contradiction that was kept is asked again", "not tuned"),
+    PSFM_OPTION(solve.policy.ties.again_when_grown_by, 0, 100, "growth after which it is asked which cameras may be one", "not tuned"),
+
+    PSFM_OPTION(solve.global.adjusted_tracks_per_image, 1, kCount, "tracks adjusted in the first rounds, seen by each image", "ours; docs/accuracy.md"),
+    PSFM_ADJUSTMENT_OPTIONS(solve.global.adjustment, "ours, on photographs and the simulated town"),
+    PSFM_OPTION(solve.global.calibration_images, 2, kCount, "images of a small model from which shared intrinsics are had", "ours; docs/accuracy.md"),
+    PSFM_OPTION(solve.global.directions.axes, 1, kCount, "axes on which positions are ordered", "Wilson & Snavely 2014"),
+    PSFM_OPTION(solve.global.directions.bandwidth_deg, 0.01, 180, "standard deviation of an axis about the direction it is drawn from [deg]", "not tuned"),
+    PSFM_OPTION(solve.global.directions.max_score, 0, 1, "score above which a direction is dropped", "GTSfM, OUTLIER_WEIGHT_THRESHOLD"),
+    PSFM_OPTION(solve.global.images_to_calibrate, 1, kCount, "images of one camera that such a model needs", "not tuned"),
+    PSFM_OPTION(solve.global.positions.loss_scale_deg, 0.001, 180, "residual from which a direction loses weight [deg]", "Wilson & Snavely 2014"),
+    PSFM_OPTION(solve.global.positions.max_length_sigma, 1e-4, 100, "how well lengths of edges that meet are known, relative to one another", "ours, on planted lines and rings"),
+    PSFM_OPTION(solve.global.positions.max_refinement_iterations, 1, 1e6, "iterations of the refinement", "not tuned"),
+    PSFM_OPTION(solve.global.positions.max_start_iterations, 1, kCount, "steps of the convex start", "ours: planted cases take 10 to 40"),
+    PSFM_OPTION(solve.global.positions.min_noise_deg, 1e-6, 90, "noise of a direction at least [deg]", "not tuned"),
+    PSFM_OPTION(solve.global.positions.start_convergence, 0, 1, "a step that lowers the cost by a smaller part is the last", "not tuned"),
+    PSFM_OPTION(solve.global.rotation_refinements, 0, kCount, "linearisations that refine the averaged rotations", "not tuned"),
+    PSFM_OPTION(solve.global.round_tolerance, 1e-12, 1, "function_tolerance of the rounds before the last", "not tuned"),
+    PSFM_OPTION(solve.global.start_error_px, 0.01, 1e5, "error of an observation in the first round [px]", "not tuned"),
+    PSFM_OPTION(solve.global.track_weight, 1e-6, 1000, "weight of a direction to a point; of one to an image: 1", "ours, on temple-341"),
+    PSFM_OPTION(solve.global.tracks_per_image, 0, kCount, "tracks that join the images as nodes, seen by each; 0: none", "ours, on temple-341"),
+
+    PSFM_OPTION(solve.few_points.min_inlier_ratio, 0.001, 1, "part of the points that have to agree with the pose", "not tuned"),
+    PSFM_OPTION(solve.few_points.min_observations, 0, kCount, "observations that confirm it", "not tuned"),
+    PSFM_OPTION(solve.few_points.min_points, 0, kCount, "points that an image needs which no model sees enough of; 0: as any", "ours, on kitchen"),
+    PSFM_OPTION(solve.images_around_joint, 0, kCount, "images of a large model that are adjusted around a joint", "ours; docs/performance.md"),
+    PSFM_OPTION(solve.local_neighbors, 0, kCount, "images beside a new one whose poses move with it", "COLMAP 3.8: 6 in all"),
+    PSFM_OPTION(solve.max_contradicting_edges, 0, 1, "part of the edges that may contradict a model that is kept", "not tuned"),
+    PSFM_OPTION(solve.max_contradiction_deg, 0, 180, "rotations that differ by more contradict a model [deg]", "paper: rho_l,max"),
+    PSFM_OPTION(solve.max_edge_error_deg, 1e-6, 180, "edges that differ by more from averaged rotations are left out [deg]", "paper: rho_g,max"),
+    PSFM_OPTION(solve.max_reset_images, 0, 1, "part of a model that is placed anew instead of all of it", "ours; paper: 0"),
+    PSFM_OPTION(solve.min_observations, 1, kCount, "observations that keep an image in its model", "ours: half of what registration asks"),
+
+    PSFM_OPTION(solve.places.edge_weight, 0, 100, "what an edge says for one place, where a pair side by side says up to 1", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.max_neighbors, 1, kCount, "images beside it with which an image is compared", "not tuned"),
+    PSFM_OPTION(solve.places.max_offset, 1e-6, 100, "distance of images side by side, over the depth of what they see", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.max_shared_by_chance, 0, 1, "part of the expected points up to which a pair shares nothing", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.max_turn_deg, 1e-6, 180, "and their turn [deg]", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.min_contradictions, 0, kCount, "pairs side by side that share nothing between two places; 0: a model is never asked", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.min_expected, 1, kCount, "points that two images are expected to share before they are compared", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.min_images, 1, kCount, "images of a place", "ours: mu_min"),
+    PSFM_OPTION(solve.places.min_track, 2, kCount, "images that have seen a point before others are expected to", "not tuned"),
+    PSFM_OPTION(solve.places.same_place, 0.001, 0.999, "part of the expected points that speaks for one place", "ours, on the simulated town and Strecha's scenes"),
+
+    PSFM_OPTION(solve.loops.edges_per_image, 1, kCount, "edges that hold an image in place when a loop is closed", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.max_iterations, 1, kCount, "steps of its pose graph", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.max_lost_observations, 0, 1, "part of the observations that closing may cost", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.max_residual, 1e-6, 1000, "residual from which an edge is still open, or torn", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.max_shared_part, 0, 1, "part of an open edge's matches that have a point in common", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.min_gap, 0, 1000, "distance of the two points of a match, over their depth", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.min_matches, 1, kCount, "matches between points before an edge says anything", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.min_open_edges, 0, kCount, "open edges that a large model has before a loop is closed; 0: none is", "ours, on the simulated town; paper: 0"),
+
+    PSFM_OPTION(solve.doubt.grid, 1, 64, "regions along each side of a photograph", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.max_angle_deg, 0.01, 89, "directions from which a point is found again [deg]", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.max_cuts, 0, 1000, "cuts of a doubted model that are tried", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.max_rounds, 0, 1000, "how often the best one is cut again", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.max_scale, 1, 1000, "ratio of sizes at which a point is found again", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_denied, 0, 1, "matches of an edge that is not to be denied, over those of its images' best", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_depth, 0, 1, "depth of what an image sees itself in a missing region, over the expected", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_expected, 0.001, 1e6, "matches expected in a region that is missing", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_missing, 1, kCount, "regions that are missing where a pair contradicts its model", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_missing_part, 0.01, 1, "part of a pair's regions that are missing where it contradicts its model", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_own, 0, kCount, "points of its own that an image sees in a missing region", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_points, 1, kCount, "points expected of a pair that is compared", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_split_pairs, 1, kCount, "pairs that contradict each other across two parts that are kept apart", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_split_part, 0.001, 1, "and the part of the regions that are missing across", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_track, 2, kCount, "images that have seen a point that is expected", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.unknown_rate, 0.001, 1, "rate of points found again where a pair shares next to nothing", "ours; docs/look-alikes.md"),
+
+    PSFM_OPTION(solve.assessment.joint_points, 0, kCount, "points by which two parts of a model hang together", "not tuned"),
+    PSFM_OPTION(solve.assessment.max_focal_factor, 1, 1000, "focal lengths of one size of photographs, over their median", "not tuned"),
+    PSFM_OPTION(solve.assessment.max_invented, 0, 1, "part of known turns that a model may show as steps; 0: all", "ours, on datasets/cases; paper: 0"),
+    PSFM_OPTION(solve.assessment.max_relative_focal, 0.01, 1000, "focal length at most, over the longer side", "views of 10 degrees"),
+    PSFM_OPTION(solve.assessment.max_turn_parallax_deg, 0.001, 180, "directions to a point that contradict a turn [deg]", "ours, on datasets/cases"),
+    PSFM_OPTION(solve.assessment.min_relative_focal, 0.001, 1000, "focal length at least", "views of 120 degrees"),
+    PSFM_OPTION(solve.assessment.min_turn_deg, 0, 180, "turns by less say nothing [deg]", "ours, on datasets/cases"),
+    PSFM_OPTION(solve.assessment.min_turns, 0, 1, "part of a model's edges that are turns before it is asked", "ours, on datasets/cases"),
+    PSFM_OPTION(solve.assessment.weak_angle_deg, 0, 180, "median angle to a point below which a model is weak [deg]", "ours: twice COLMAP's least"),
+    PSFM_OPTION(solve.assessment.weak_points, 0, kCount, "points of an image, at the median, below which it is", "not tuned"),
+
+    PSFM_OPTION(solve.ties.excused_px, 0, 1000, "error that no camera is blamed for [px]", "ours, on noexif-nadir; docs/accuracy.md"),
+    PSFM_OPTION(solve.ties.max_iterations, 1, 1e6, "iterations of the adjustments that this takes", "not tuned"),
+    PSFM_OPTION(solve.ties.max_step, 1e-6, 10, "gap of focal lengths at which cameras are parted", "ours; docs/cameras.md"),
+    PSFM_OPTION(solve.ties.min_deviation, 1e-6, 10, "part by which a focal length differs that is another one", "ours; docs/cameras.md"),
+    PSFM_OPTION(solve.ties.min_gain, 1, 1000, "factor by which a camera of its own lowers an image's error", "ours; docs/accuracy.md"),
+    PSFM_OPTION(solve.ties.min_observations, 1, kCount, "observations that say something of a camera", "not tuned"),
+    PSFM_OPTION(solve.ties.points_per_image, 1, kCount, "points that are looked at, seen by each image", "not tuned"),
+
+    PSFM_OPTION(solve.initialization.max_pairs, 1, kCount, "pairs tried for one start", "not tuned"),
+    PSFM_OPTION(solve.initialization.min_angle_deg, 0, 180, "median triangulation angle of a start [deg]", "COLMAP 3.8"),
+    PSFM_OPTION(solve.initialization.min_points, 5, kCount, "points of a start", "ours; COLMAP 3.8: 100"),
+    PSFM_OPTION(solve.absolute_pose.max_error_px, 0.01, 1000, "reprojection error of an inlier of a registration [px]", "COLMAP 3.8, abs_pose_max_error"),
+    PSFM_OPTION(solve.absolute_pose.max_iterations, 1, 1e8, "RANSAC iterations of a registration", "COLMAP 3.8"),
+    PSFM_OPTION(solve.absolute_pose.min_inlier_ratio, 0, 1, "share of the points that a registration needs", "COLMAP 3.8, abs_pose_min_inlier_ratio"),
+    PSFM_OPTION(solve.absolute_pose.min_inliers, 4, kCount, "inliers that a registration needs", "ours; COLMAP 3.8: 30"),
+    PSFM_OPTION(solve.tracks.completion_depth, 0, 1000, "steps along matches when a track is completed", "COLMAP 3.8"),
+    PSFM_OPTION(solve.tracks.max_error_px, 0.01, 1000, "largest reprojection error of an observation [px]", "COLMAP 3.8, filter_max_reproj_error"),
+    PSFM_OPTION(solve.tracks.min_angle_deg, 0, 180, "least triangulation angle of a point [deg]", "COLMAP 3.8, filter_min_tri_angle"),
+    PSFM_ADJUSTMENT_OPTIONS(solve.local_adjustment, "COLMAP 3.8"),
+    PSFM_REFINEMENT_OPTIONS(solve.growth, "COLMAP 3.8; rounds: ours, docs/performance.md"),
+    PSFM_REFINEMENT_OPTIONS(solve.large_growth, "ours; docs/performance.md"),
+    PSFM_REFINEMENT_OPTIONS(solve.settling, "COLMAP 3.8"),
+
+    PSFM_OPTION(solve.rotation_averaging.consensus_deg, 0, 180, "parts join where edges agree within so many degrees; 0: along the maximum spanning tree", "ours; docs/look-alikes.md; paper: 0"),
+    PSFM_OPTION(solve.rotation_averaging.convergence_deg, 0, 180, "change of a rotation that ends it [deg]", "not tuned"),
+    PSFM_OPTION(solve.rotation_averaging.loss, 0, 3, "loss of the refinement: l_1/2 (0), Huber (1), Cauchy (2), Geman-McClure (3)", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.rotation_averaging.loss_scale_deg, 0.001, 180, "residual from which an edge loses weight [deg]", "Chatterjee & Govindu 2018"),
+    PSFM_OPTION(solve.rotation_averaging.max_iterations, 0, kCount, "linearisations of the L1 optimum", "ours; docs/look-alikes.md; paper: to convergence"),
+    PSFM_OPTION(solve.rotation_averaging.max_solver_iterations, 1, kCount, "steps of one linearisation", "not tuned"),
+    PSFM_OPTION(solve.rotation_averaging.norm, 0, 1, "L1 norm of a residual: its length (0), its coordinates (1)", "ours; Chatterjee & Govindu 2013: 1"),
+    PSFM_OPTION(solve.rotation_averaging.refine_iterations, 0, kCount, "linearisations of reweighted least squares after that", "ours; docs/look-alikes.md; paper: 0"),
+    PSFM_OPTION(solve.rotation_averaging.strongest_edges_per_node, 0, kCount, "edges of an image that pull at the rotations; 0: all", "paper"),
+    PSFM_OPTION(solve.rotation_averaging.weight_power, 0, 10, "power of an edge's weight with which it counts", "paper"),
+    NamedOption{"solve.plausibility", "edges count with their plausibility, too, when rotations are averaged (0, 1)", "ours; docs/look-alikes.md; paper: 0", 0, 1,
+        [](const StageOptions& options) { return options.solve.plausibility ? 1.0 : 0.0; },
+        [](StageOptions& options, double value) {
+            if (value == 0.0) options.solve.plausibility.reset();
+            else if (!options.solve.plausibility) options.solve.plausibility.emplace();
+        }},
+
+    PSFM_OPTION(solve.focal_calibration.loss_px, 0.001, 1000, "scale of the loss on pairs' errors when focal lengths are found [px]", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.focal_calibration.max_iterations, 1, 1e6, "steps of the joint refinement", "ours: most scenes need ten"),
+    PSFM_OPTION(solve.focal_calibration.max_pair_points, 1, kCount, "correspondences taken of a pair", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.focal_calibration.max_pairs, 1, kCount, "pairs taken", "not tuned"),
+    PSFM_OPTION(solve.focal_calibration.max_relative_focal, 0.1, 1000, "focal lengths tried, over the longer side", "views of 14 degrees"),
+    PSFM_OPTION(solve.focal_calibration.max_uncertainty, 0, 100, "relative uncertainty above which a camera keeps its guess", "not tuned"),
+    PSFM_OPTION(solve.focal_calibration.min_pair_inliers, 1, kCount, "inliers of a pair that counts", "ours: twice COLMAP's min_num_inliers"),
+    PSFM_OPTION(solve.focal_calibration.min_relative_focal, 0.01, 1000, "and at least", "views of 118 degrees"),
+    PSFM_OPTION(solve.focal_calibration.pair_loss, 1e-6, 1000, "mean cost at which a pair weighs a quarter", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.focal_calibration.spread, 1e-6, 100, "deviation expected between cameras of one size", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.focal_calibration.vote_width, 1e-6, 100, "width of a pair's vote", "ours, on Strecha's scenes; docs/verification.md"),
+
+    PSFM_OPTION(solve.verification.confidence, 0, 1, "as verification.verify, of pairs whose focal lengths became known later", "COLMAP 3.8"),
+    PSFM_OPTION(solve.verification.max_error_px, 0.01, 1000, "likewise [px]", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.verification.max_iterations, 1, 1e8, "likewise", "ours; docs/verification.md"),
+    PSFM_OPTION(solve.verification.min_inlier_ratio, 0, 1, "likewise", "ours, on Strecha's scenes and kitchen"),
+    PSFM_OPTION(solve.verification.min_inliers, 8, 1e6, "likewise", "COLMAP 3.8, min_num_inliers"),
+    PSFM_OPTION(solve.verification.refine_loss_px, 0.001, 1000, "likewise [px]", "ours; docs/verification.md"),
+};
+// clang-format on
+#undef PSFM_ADJUSTMENT_OPTIONS
+#undef PSFM_REFINEMENT_OPTIONS
+
+}  // namespace
+
+std::span<const NamedOption> options_of_solving() {
+    return kTable;
+}
+
+}  // namespace psfm
