@@ -10,6 +10,7 @@
 #include <iostream>
 #include <opencv2/core/utils/logger.hpp>
 
+#include "psfm_commit.h"
 #include "tools/commands/commands.h"
 
 #ifdef PSFM_JEMALLOC
@@ -43,7 +44,7 @@ int run(int argc, char** argv) {
         "  psfm status --session DIR\n"
         "  psfm export --session DIR --format colmap --output MODEL\n"
         "Exit codes: 0 done, 2 usage, 3 bad input, 4 session damaged, 1 anything else.");
-    app.set_version_flag("--version", PSFM_VERSION);
+    app.set_version_flag("--version", PSFM_VERSION PSFM_COMMIT);
     app.require_subcommand(1);
     int exit_code = 0;
     psfm::add_run_command(app, exit_code);
