@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <glog/logging.h>
+#include <psfm_commit.h>
 #include <sys/resource.h>
 
 #include <CLI/App.hpp>
@@ -10,7 +11,6 @@
 #include <iostream>
 #include <opencv2/core/utils/logger.hpp>
 
-#include "psfm_commit.h"
 #include "tools/commands/commands.h"
 
 #ifdef PSFM_JEMALLOC
