@@ -9,6 +9,7 @@ namespace {
 
 // How one cluster's points are brought onto another's: of clusters that are merged, and of models
 // that are joined.
+// NOLINTBEGIN(bugprone-macro-parentheses): FIELD is a path of members
 #define PSFM_CONSTRAINT_OPTIONS(FIELD)                                                             \
     PSFM_OPTION(FIELD.max_error, 1e-5, 1,                                                          \
                 "image distance at which two clusters' points agree, over the longer side",        \
@@ -45,6 +46,7 @@ namespace {
                     "chance of one clean sample at which RANSAC stops", "not tuned"),              \
         PSFM_OPTION(FIELD.max_ransac_iterations, 1, kCount, "samples at most",                     \
                     "ours: three times what the confidence asks")
+// NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
 constexpr std::array kTable{

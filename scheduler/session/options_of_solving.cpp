@@ -7,6 +7,7 @@
 namespace psfm {
 namespace {
 
+// NOLINTBEGIN(bugprone-macro-parentheses): FIELD is a path of members
 #define PSFM_ADJUSTMENT_OPTIONS(FIELD, FROM)                                                      \
     PSFM_OPTION(FIELD.loss_scale_px, 1e-4, 1000,                                                  \
                 "residual from which an observation loses weight [px]", FROM),                    \
@@ -47,6 +48,7 @@ namespace {
                     "error of an observation that is kept, in noises of the model; 0: "         \
                     "solve.tracks.max_error_px",                                                \
                     "ours, on brighton; docs/notebook, noise")
+// NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
 constexpr std::array kTable{
