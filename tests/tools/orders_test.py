@@ -125,6 +125,9 @@ class Command(Folder):
         self.assertIn("- street, seed 8, default: not placed: 7.jpg\n", page)
         self.assertIn("- street, seed 4, deterministic: 3 wrong\n", page)
         self.assertIn("in default mode 0 of 2 scenes end alike", page)
+        again = page.partition("### In one-camera-default mode")[2].partition("###")[0]
+        self.assertIn("| street |", again)
+        self.assertNotIn("| kermit |", again)
         self.assertNotIn(str(self.folder), page)
 
     def test_the_way_is_of_scenes_with_a_reference(self):

@@ -133,7 +133,7 @@ def _whole(settings):
 
 
 def write_order_page(settings, experiment, scenes):
-    modes = settings.modes or MODES
+    modes = [mode for mode in settings.modes or MODES if any(of == mode for scene in scenes for _, of in scene.cells)]
     done = [cell.result for scene in scenes for cell in scene.cells.values() if cell.result]
     parts = [f"# {experiment.title}\n", paragraph(experiment.about), _whole(settings), in_short(scenes, modes) + "\n",
              provenance(settings, done) if done else "", "## How sessions end\n", paragraph(READING)]
@@ -142,7 +142,7 @@ def write_order_page(settings, experiment, scenes):
         parts += [_endings_table(scenes, mode, columns) for columns in _order_columns(scenes)]
     parts += ["## Where they end differently\n", _differences(scenes, modes), _way(scenes), "## Commands\n",
               paragraph(f"All of it: `{again(settings, experiment)}`. A cell is `psfm run IMAGES --session SESSION "
-                        "--order ORDER`, with `--deterministic` and `--batch` where its mode and column say so, then "
+                        "--order ORDER`, with `--deterministic`, `--camera-sharing all` and `--batch` where its mode and column say so, then "
                         "`psfm status --json` and `psfm evaluate --reference REFERENCE --session SESSION "
                         "--every-image`.")]
     file = settings.output / f"{experiment.name}.md"

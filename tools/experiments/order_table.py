@@ -6,12 +6,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import psfm_session
+import scenes
 from colmap_progressive import run_colmap
 from console import Failed, say
 from experiment import RunResult, matches_for, measured
 from sources import resolve
 
-MODES = ("deterministic", "default")
+# How psfm is run. The street has ended differently from one run to the next, and with one camera for all of it.
+MODES = {"deterministic": ("--deterministic",), "default": (), "default-2": (), "default-3": (),
+         "one-camera": ("--deterministic", "--camera-sharing", "all"), "one-camera-default": ("--camera-sharing", "all")}
+OF_ALL = ("deterministic", "default")
 LEAST = 5  # images of a part; of fewer it is not said whether they are right
 WAYS = tuple(f"shuffle-{seed}" for seed in range(1, 6))  # orders whose way is shown
 
@@ -91,8 +95,9 @@ class Sessions:
             say(f"{self.experiment.name}, {self.source.name}, {run.words}, {mode} mode: {len(given.names)} images")
             folder = (self.settings.work / self.experiment.name / self.source.name /
                       (f"{order}-{mode}" + (f"-first-{self.settings.images}" if self.settings.images else "")))
+            options = [option for option in MODES[mode] if option != "--deterministic"]
             made = psfm_session.run_session(self.settings, folder / "psfm", given, batch=run.batch,
-                                            deterministic=mode == "deterministic")
+                                            deterministic="--deterministic" in MODES[mode], options=options)
             self._made[order, mode] = folder, given, made
         return self._made[order, mode]
 
@@ -134,8 +139,9 @@ def _scene(settings, experiment, source):
     sessions = Sessions(settings, experiment, source)
     orders = tuple(name for name in sessions.runs if not settings.orders or name in settings.orders)
     images = resolve(settings, sessions.runs["names"]).names
+    modes = MODES if source is scenes.STREET else OF_ALL
     cells = {(order, mode): _cell(sessions, order, mode)
-             for mode in settings.modes or MODES for order in orders}
+             for mode in settings.modes or modes if mode in modes for order in orders}
     return Scene(source.name, images, source.reference is not None, orders, cells)
 
 

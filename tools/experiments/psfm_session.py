@@ -43,16 +43,19 @@ def _manner(batch, deterministic):
     return " one after the other" if deterministic else ", several in flight"
 
 
-def run_session(settings, folder, given, *, batch=False, deterministic=None):
+def run_session(settings, folder, given, *, batch=False, deterministic=None, options=()):
     """A finished session in `folder`: taken as it is, continued, or made.
 
     @param deterministic  None: where it is no batch
+    @param options  further ones of `psfm run`
     """
     asked = {"order": digest_of_names(given.names), "from": given.identity, "batch": batch}
     if deterministic is None:
         deterministic = not batch
     elif deterministic == batch:
         asked["deterministic"] = deterministic  # unsaid otherwise, so that older sessions are still known
+    if options:
+        asked["options"] = list(options)
     kept = Kept(folder, asked)
     session, log = kept.folder / "session", kept.folder / "log.jsonl"
     record = None if settings.again else kept.record()
@@ -64,7 +67,7 @@ def run_session(settings, folder, given, *, batch=False, deterministic=None):
 
     order = kept.folder / "order.txt"
     options = ["--session", session, "--log", log, *(["--batch"] if batch else []),
-               *(["--deterministic"] if deterministic else [])]
+               *(["--deterministic"] if deterministic else []), *options]
     if given.database is not None:
         command = [settings.psfm, "import", "--colmap-database", given.database, "--order", order, *options]
     else:

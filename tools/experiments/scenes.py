@@ -94,7 +94,8 @@ ORDERS = Experiment(
     "orders", "The promise as a table",
     "Whatever the order in which photographs arrive, a session ends with the same of them placed, in as many parts, "
     "and none of them wrong. Real scenes, three of them with look-alikes, in file-name order, all at once (`--batch`) "
-    "and shuffled, each in deterministic and in default mode.",
+    "and shuffled, each in deterministic and in default mode; the street in default mode three times, and in both with "
+    "one camera for all of it.",
     tuple(run for source in (STREET, BOOKS, CEREAL_JUDGED, FOUNTAIN, HERZ_JESUS, ENTRY, CASTLE, SCEAUX, KERMIT, KITCHEN,
                              BANANA, BRIGHTON, IONIQ5, MULTICAM) for run in _orders_of(source)),
     runs_words="scene x order x mode (--scenes, --orders, --modes): placed, outliers, parts")
