@@ -21,7 +21,7 @@ class Session:
 def identity_of(psfm):
     """Which program made a session, as far as a person can find it again."""
     try:
-        version = answer([psfm, "--version"]).strip()
+        version = answer([psfm, "--version"]).partition(" ")[0].strip()  # its commit, if any, follows
     except Failed as failure:
         raise Failed(f"{failure}; build it (cmake --preset release && cmake --build --preset release), or give "
                      "--psfm FILE") from failure
