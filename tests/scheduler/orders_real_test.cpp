@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <random>
 
 #include "scheduler/flow/run_session.h"
 #include "stages/evaluation/evaluate_model.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "storage/exchange/models/read_colmap.h"
+#include "tests/scheduler/session_parts.h"
 
 namespace psfm {
 namespace {
@@ -69,27 +69,17 @@ TEST_P(Orders, TwoAlikeHousesAreTwo) {
     config.deterministic = true;
     const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
     ASSERT_TRUE(run.ok()) << run.error().message;
-    const auto images = (*store)->images();
-    const auto scene = (*store)->scene();
-    ASSERT_TRUE(scene.ok());
-    std::map<std::uint32_t, std::vector<NamedPose>> parts;
-    for (const auto& cluster : scene->clusters) {
-        if (!cluster->model) continue;
-        for (const RegisteredImage& image : cluster->model->images) {
-            parts[cluster->effective_cluster].push_back(
-                {(*images)[index_of(image.image)].name,
-                 transform_pose(image.cam_from_cluster, cluster->world_from_cluster)});
-        }
-    }
+    const auto parts = test::parts_of(**store);
+    ASSERT_TRUE(parts.ok());
     std::size_t placed = 0;
-    for (const auto& [part, poses] : parts) {
+    for (const auto& [part, poses] : *parts) {
         const auto evaluation = evaluate_model(truth(), poses);
         ASSERT_TRUE(evaluation.ok());
         EXPECT_EQ(evaluation->outliers, 0U) << "part of " << poses.size() << " images";
         placed += poses.size();
     }
     EXPECT_EQ(placed, listing->photos.size());
-    EXPECT_EQ(parts.size(), 1U);
+    EXPECT_EQ(parts->size(), 1U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Street, Orders, testing::Values(1U, 2U, 3U));

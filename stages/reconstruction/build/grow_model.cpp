@@ -119,13 +119,12 @@ bool settle_image(SolveDraft& draft, std::uint32_t image, std::uint32_t min_obse
 
 /// Adjusts a model that has grown enough since the last time.
 Result<void> adjust_grown(SolveDraft& draft, const SolveContext& context) {
-    const std::uint32_t placed = draft.model.registered_count();
-    const std::uint32_t adjusted = draft.state.images_at_full_adjustment;
-    if (placed <= adjusted || !context.options.policy.full_adjustment.is_due(placed, adjusted))
-        return {};
-    const auto adjustments =
-        refine_grown(draft.model, placed - adjusted, context.problem.fix_intrinsics,
-                     context.options, context.cancel);
+    const SolvePlan plan = plan_from(draft, context);
+    if (!plan.due.full_adjustment) return {};
+    const std::uint32_t grown =
+        draft.model.registered_count() - draft.state.images_at_full_adjustment;
+    const auto adjustments = refine_grown(draft.model, grown, plan, context.problem.fix_intrinsics,
+                                          context.options, context.cancel);
     if (!adjustments.ok()) return adjustments.error();
     draft.statistics.full_adjustments += *adjustments;
     draft.state.images_at_full_adjustment = draft.model.registered_count();

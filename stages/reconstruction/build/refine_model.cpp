@@ -153,10 +153,10 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
     return refine(model, {}, fix_intrinsics, refinement, options, cancel);
 }
 
-Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
-                                           const SolveOptions& options,
+Result<std::uint32_t> refine_changed_model(WorkingModel& model, SolveEffort effort,
+                                           bool fix_intrinsics, const SolveOptions& options,
                                            const std::atomic<bool>* cancel) {
-    const bool is_rough = options.policy.effort_of(model.registered_count()) == SolveEffort::kRough;
+    const bool is_rough = effort == SolveEffort::kRough;
     return refine_model(model, fix_intrinsics, is_rough ? options.large_growth : options.growth,
                         options, cancel);
 }
@@ -178,10 +178,11 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
 }
 
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
-                                    std::span<const std::uint32_t> joint, bool fix_intrinsics,
-                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
-    if (options.policy.scope_of(model.registered_count()) == SolveScope::kAll)
-        return refine_changed_model(model, fix_intrinsics, options, cancel);
+                                    std::span<const std::uint32_t> joint, const SolvePlan& plan,
+                                    bool fix_intrinsics, const SolveOptions& options,
+                                    const std::atomic<bool>* cancel) {
+    if (plan.scope == SolveScope::kAll)
+        return refine_changed_model(model, plan.effort, fix_intrinsics, options, cancel);
     std::vector<std::uint32_t> images;
     std::ranges::set_union(joined, joint, std::back_inserter(images));
     const std::size_t at_least = joined.size() + options.images_around_joint;
@@ -195,10 +196,11 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
     return refine_locally(model, joined, fix_intrinsics, options);
 }
 
-Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
-                                   const SolveOptions& options, const std::atomic<bool>* cancel) {
-    if (options.policy.scope_of(model.registered_count()) == SolveScope::kAll)
-        return refine_changed_model(model, fix_intrinsics, options, cancel);
+Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, const SolvePlan& plan,
+                                   bool fix_intrinsics, const SolveOptions& options,
+                                   const std::atomic<bool>* cancel) {
+    if (plan.scope == SolveScope::kAll)
+        return refine_changed_model(model, plan.effort, fix_intrinsics, options, cancel);
     std::vector<std::uint32_t> newest = registered_images(model);
     newest.erase(newest.begin(),
                  newest.end() - std::min<std::ptrdiff_t>(grown, std::ssize(newest)));

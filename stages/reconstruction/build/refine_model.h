@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/result.h"
+#include "stages/reconstruction/model/plan_solve.h"
 #include "stages/reconstruction/model/solve_options.h"
 #include "stages/reconstruction/model/working_model.h"
 
@@ -23,11 +24,11 @@ Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
                                    const RefinementOptions& refinement, const SolveOptions& options,
                                    const std::atomic<bool>* cancel = nullptr);
 
-/// The same after much of a model has changed: to convergence (`growth`) or, of more than
-/// SolvePolicy::converge_up_to, in the few steps of `large_growth`.
+/// The same after much of a model has changed: to convergence (`growth`) or, roughly, in the few
+/// steps of `large_growth`.
 /// @errors kDegenerate, kCancelled
-Result<std::uint32_t> refine_changed_model(WorkingModel& model, bool fix_intrinsics,
-                                           const SolveOptions& options,
+Result<std::uint32_t> refine_changed_model(WorkingModel& model, SolveEffort effort,
+                                           bool fix_intrinsics, const SolveOptions& options,
                                            const std::atomic<bool>* cancel = nullptr);
 
 /// The same, roughly (`large_growth`), of some images, of all who share points with them, and so on
@@ -41,8 +42,8 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
                                     const SolveOptions& options,
                                     const std::atomic<bool>* cancel = nullptr);
 
-/// Adjusts a model that others were joined to: all of it (refine_changed_model) or, of more than
-/// SolvePolicy::affordable_up_to, the joined images and the first model around the joint, whose far
+/// Adjusts a model that others were joined to: all of it (refine_changed_model) or, where the
+/// plan has kJoint, the joined images and the first model around the joint, whose far
 /// end holds the gauge: a part that was moved by a similarity is not held by anything else, and
 /// finds its place as a whole.
 /// @param joined  images of the models that were joined to the first, ascending
@@ -50,8 +51,8 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
 /// @param cancel  as above
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
-                                    std::span<const std::uint32_t> joint, bool fix_intrinsics,
-                                    const SolveOptions& options,
+                                    std::span<const std::uint32_t> joint, const SolvePlan& plan,
+                                    bool fix_intrinsics, const SolveOptions& options,
                                     const std::atomic<bool>* cancel = nullptr);
 
 /// Makes one of the tracks that small models and the one that they were joined to have apart, and
@@ -62,12 +63,11 @@ std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::ui
                                     bool fix_intrinsics, const SolveOptions& options);
 
 /// Adjusts a model that has grown by so many images since the last time: all of it, as in the
-/// paper, or as above; of more than that, the images that came last, with their
-/// neighbours.
+/// paper, or, where the plan has kJoint, the images that came last, with their neighbours.
 /// @param cancel  as above
 /// @errors kDegenerate, kCancelled
-Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, bool fix_intrinsics,
-                                   const SolveOptions& options,
+Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, const SolvePlan& plan,
+                                   bool fix_intrinsics, const SolveOptions& options,
                                    const std::atomic<bool>* cancel = nullptr);
 
 /// Adjusts images and their surroundings: creates and continues their points, adjusts them with the

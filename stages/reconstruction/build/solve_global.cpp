@@ -156,7 +156,8 @@ Result<std::uint32_t> adjust_in_rounds(WorkingModel& model, const std::vector<Fe
         filter_tracks(model, {}, allowed);
         allowed.max_error_px = std::max(0.5 * allowed.max_error_px, options.tracks.max_error_px);
     }
-    const auto all = refine_changed_model(model, fix_intrinsics, options, cancel);
+    const SolveEffort effort = options.policy.effort_of(model.registered_count());
+    const auto all = refine_changed_model(model, effort, fix_intrinsics, options, cancel);
     if (!all) return all.error();
     return adjustments + *all;
 }

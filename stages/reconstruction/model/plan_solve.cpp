@@ -18,6 +18,8 @@ DueQuestions due_questions(const ClusterProblem& problem, const SolveState& stat
     const Schedule settling{};  // whatever has grown at all
     const Schedule& new_start = problem.settle ? settling : policy.new_start;
     DueQuestions due;
+    due.full_adjustment = placed > state.images_at_full_adjustment &&
+                          policy.full_adjustment.is_due(placed, state.images_at_full_adjustment);
     due.rotations = (problem.settle && state.new_start_is_due) ||
                     policy.rotations.is_due(placed, state.images_at_contradiction);
     due.places = problem.settle || policy.places.is_due(placed, state.images_at_places);
@@ -36,10 +38,8 @@ SolvePlan plan_solve(const ClusterProblem& problem, const SolveState& state, std
                      const SolvePolicy& policy) {
     SolvePlan plan;
     plan.start = start_of(problem, policy);
-    if (!problem.settle) {
-        plan.scope = policy.scope_of(placed);
-        plan.effort = policy.effort_of(placed);
-    }
+    plan.scope = policy.scope_of(placed);
+    plan.effort = policy.effort_of(placed);
     plan.due = due_questions(problem, state, placed, policy);
     return plan;
 }

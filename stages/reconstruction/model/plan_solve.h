@@ -21,6 +21,7 @@ enum class SolveStart : std::uint8_t {
 /// The questions about a model that cost more than looking at what was added. Each is asked of any
 /// model; here stands which ones are due, as it is now.
 struct DueQuestions {
+    bool full_adjustment = false;  ///< has it grown so much that more than its newest is adjusted?
     /// Does it contradict the averaged rotations? A contradiction that was kept is asked again.
     bool rotations = false;
     bool places = false;     ///< does it show several (separate_places)?
@@ -35,8 +36,9 @@ struct DueQuestions {
 /// What is done in a solve, by the sizes of things alone.
 struct SolvePlan {
     SolveStart start = SolveStart::kNone;
-    /// The smallest that may do. What the surroundings cannot answer is solved with all of the
-    /// cluster, and adjusted as scope_of() says.
+    /// The smallest that may do: what the surroundings cannot answer is solved with all of the
+    /// cluster, and planned again from where it stands. Settling adjusts all of a model to
+    /// convergence besides, whatever its size.
     SolveScope scope = SolveScope::kAll;
     SolveEffort effort = SolveEffort::kConverged;
     DueQuestions due;

@@ -6,6 +6,7 @@
 
 #include "stages/reconstruction/model/cluster_problem.h"
 #include "stages/reconstruction/model/local_graph.h"
+#include "stages/reconstruction/model/plan_solve.h"
 #include "stages/reconstruction/model/solve_options.h"
 #include "stages/reconstruction/model/working_model.h"
 
@@ -25,6 +26,12 @@ struct SolveDraft {
     SolveState state = {};
     SolveStatistics statistics = {};
 };
+
+/// The plan from where a draft stands.
+inline SolvePlan plan_from(const SolveDraft& draft, const SolveContext& context) {
+    return plan_solve(context.problem, draft.state, draft.model.registered_count(),
+                      context.options.policy);
+}
 
 /// Nothing registered yet, intrinsics as in the graph. @param matches  outlive the draft
 inline SolveDraft make_draft(const SolveContext& context, const CorrespondenceGraph& matches) {

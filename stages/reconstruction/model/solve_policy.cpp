@@ -2,20 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/model/solve_policy.h"
 
-#include <limits>
-
 namespace psfm {
-
-SolvePolicy paper_policy() {
-    // Format: no number of images is above it
-    constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
-    SolvePolicy policy;
-    policy.doubt_up_to = 0;
-    policy.large_from = kNever;
-    policy.converge_up_to = kNever;
-    policy.affordable_up_to = kNever;
-    return policy;
-}
 
 Result<void> validate(const SolvePolicy& policy) {
     if (policy.mu_min < 2)

@@ -41,10 +41,10 @@ enum class SolveEffort : std::uint8_t {
     kConverged,  ///< to convergence
 };
 
-/// The sizes at which a solve changes its ways, all of them in images; plan_solve() reads them, and
-/// what is asked again as something grows. Two more stand elsewhere: `growth.thin_from_images`
-/// (RefinementOptions), and ClusteringOptions::join_up_to, which is `affordable_up_to` for clusters
-/// that are not solved yet.
+/// The sizes at which a solve changes its ways, all of them in images, and what is asked again as
+/// something grows. Of a solve one more stands elsewhere, RefinementOptions::thin_from_images;
+/// ClusteringOptions::join_up_to is `affordable_up_to` for clusters that are not solved yet
+/// (tools/ci/check-sizes lists all, those of other stages too).
 struct SolvePolicy {
     /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5.
     std::uint32_t mu_min = 5;
@@ -82,8 +82,7 @@ struct SolvePolicy {
     Schedule rotations{0, 0.25};
     /// A cluster much of which its model leaves out is solved new once more. Ours.
     Schedule new_start{0, 0.25};
-    /// A model is asked whether it shows several places (separate_places). Ours. Of large ones all
-    /// points are then counted only where a few leave a doubt.
+    /// A model is asked whether it shows several places (separate_places). Ours.
     Schedule places{1000, 0.01};
     /// And which cameras may be one (judge_ties). Raised: mixed zoom is found later; lowered:
     /// slower. Ours.
@@ -100,9 +99,6 @@ struct SolvePolicy {
     bool is_large(std::size_t placed) const { return placed >= large_from; }
     bool may_be_doubted(std::size_t images) const { return images <= doubt_up_to; }
 };
-
-/// The paper's: whatever the size, a model is adjusted and asked as a whole.
-SolvePolicy paper_policy();
 
 /// @errors kInvalidArgument
 Result<void> validate(const SolvePolicy& policy);

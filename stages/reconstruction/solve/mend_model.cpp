@@ -51,8 +51,8 @@ Result<std::vector<std::uint32_t>> rejoin_parts(SolveDraft& draft, const SolveCo
     const Recycling joined = join_models(draft.model, std::move(parts), context);
     if (joined.joined == 0) return std::vector<std::uint32_t>{};
     const auto adjustments =
-        refine_joined(draft.model, joined.images, joined.joint, context.problem.fix_intrinsics,
-                      context.options, context.cancel);
+        refine_joined(draft.model, joined.images, joined.joint, plan_from(draft, context),
+                      context.problem.fix_intrinsics, context.options, context.cancel);
     if (!adjustments.ok()) return adjustments.error();
     draft.statistics.full_adjustments += *adjustments;
     draft.state.images_at_full_adjustment = draft.model.registered_count();

@@ -31,8 +31,9 @@ Result<SolveAttempt> solve_globally(const SolveContext& context,
     draft.state.images_at_full_adjustment = start->placed;
     if (const auto grown = grow_model(draft, context); !grown.ok()) return grown.error();
     if (draft.model.registered_count() > start->placed) {
-        const auto adjustments = refine_changed_model(draft.model, context.problem.fix_intrinsics,
-                                                      context.options, context.cancel);
+        const auto adjustments =
+            refine_changed_model(draft.model, plan_from(draft, context).effort,
+                                 context.problem.fix_intrinsics, context.options, context.cancel);
         if (!adjustments.ok()) return adjustments.error();
         note_adjusted(draft, *adjustments);
     }

@@ -25,15 +25,9 @@ SolveKind kind_of(const ClusterProblem& problem) {
     return problem.recycled.size() > 1 ? SolveKind::kTransfer : SolveKind::kExtend;
 }
 
-DueQuestions due_now(const SolveDraft& draft, const SolveContext& context) {
-    return plan_solve(context.problem, draft.state, draft.model.registered_count(),
-                      context.options.policy)
-        .due;
-}
-
 /// Closes what is open in a model, where that is due, and notes it.
 Result<LoopClosing> close_open_loops(SolveDraft& draft, const SolveContext& context) {
-    if (!due_now(draft, context).loops) return LoopClosing{};
+    if (!plan_from(draft, context).due.loops) return LoopClosing{};
     const auto closing = close_loops(draft.model, context);
     if (!closing.ok()) return closing.error();
     draft.statistics.full_adjustments += closing->adjustments;
@@ -54,8 +48,9 @@ Result<void> adjust_joined(SolveDraft& draft, const Recycling& recycling,
             refine_joined_locally(draft.model, recycling.images, fix_intrinsics, context.options);
         return {};
     }
-    const auto adjustments = refine_joined(draft.model, recycling.images, recycling.joint,
-                                           fix_intrinsics, context.options, context.cancel);
+    const auto adjustments =
+        refine_joined(draft.model, recycling.images, recycling.joint, plan_from(draft, context),
+                      fix_intrinsics, context.options, context.cancel);
     if (!adjustments.ok()) return adjustments.error();
     note_adjusted(draft, *adjustments);
     return {};
@@ -89,7 +84,8 @@ Result<Places> adjust_joint(SolveDraft& draft, const Recycling& recycling,
 Result<void> mend_bad_configuration(SolveDraft& draft, const SolveContext& context) {
     const Contradiction contradiction =
         find_contradiction(draft.model, context.graph, context.options.max_contradiction_deg);
-    if (!is_bad_configuration(contradiction, draft.state, due_now(draft, context), context.options))
+    if (!is_bad_configuration(contradiction, draft.state, plan_from(draft, context).due,
+                              context.options))
         return {};
     if (const auto mended = mend_model(draft, context); !mended.ok()) return mended.error();
     draft.state.images_at_places = 0;  // another model, of as many images

@@ -53,6 +53,11 @@ double mean_error(const SceneModel& wall) {
     return error.ok() ? error->mean_position : 1e9;
 }
 
+/// The plan of a model of all images.
+SolvePlan planned(const SolveOptions& options) {
+    return plan_solve(ClusterProblem{}, SolveState{}, kImages, options.policy);
+}
+
 TEST(RefineAround, MovesImagesAndTheirNeighboursOnly) {
     const SceneModel wall(noisy_wall(1));
     wall.disturb(0.005, 2);
@@ -115,7 +120,7 @@ TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
     options.policy.affordable_up_to = 30;
     options.images_around_joint = 0;
     const std::vector<std::uint32_t> joint{26, 27, 28, 29};
-    ASSERT_TRUE(refine_joined(*wall.model, joined, joint, true, options).ok());
+    ASSERT_TRUE(refine_joined(*wall.model, joined, joint, planned(options), true, options).ok());
     const auto moved = moved_images(before, *wall.model);
     EXPECT_EQ(moved.back(), kImages - 1) << "its far end, which nothing else holds";
     EXPECT_TRUE(std::ranges::binary_search(moved, 26U));
@@ -133,11 +138,12 @@ TEST(RefineGrown, TakesFewStepsForWhatIsLargerThanConvergeUpTo) {
         const SceneModel wall(noisy_wall(3));
         wall.disturb(0.005, 4);
         const auto before = poses_of(*wall.model);
-        const auto grown = refine_grown(*wall.model, 4, true, options);
+        const auto grown = refine_grown(*wall.model, 4, planned(options), true, options);
         ASSERT_TRUE(grown.ok());
         EXPECT_EQ(*grown, rounds);
         EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "all of it";
-        const auto joined = refine_joined(*wall.model, images, images, true, options);
+        const auto joined =
+            refine_joined(*wall.model, images, images, planned(options), true, options);
         ASSERT_TRUE(joined.ok());
         EXPECT_EQ(*joined, rounds);
     }
@@ -151,10 +157,11 @@ TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
     for (const std::uint32_t adjust_all_up_to : {kImages, kImages - 1}) {
         SolveOptions options;
         options.policy.affordable_up_to = adjust_all_up_to;
-        for (const auto& done : {refine_model(*wall.model, true, options.growth, options, &cancel),
-                                 refine_around(*wall.model, images, 0, true, options, &cancel),
-                                 refine_joined(*wall.model, images, images, true, options, &cancel),
-                                 refine_grown(*wall.model, 4, true, options, &cancel)}) {
+        for (const auto& done :
+             {refine_model(*wall.model, true, options.growth, options, &cancel),
+              refine_around(*wall.model, images, 0, true, options, &cancel),
+              refine_joined(*wall.model, images, images, planned(options), true, options, &cancel),
+              refine_grown(*wall.model, 4, planned(options), true, options, &cancel)}) {
             ASSERT_FALSE(done.ok());
             EXPECT_EQ(done.error().code, ErrorCode::kCancelled);
         }
@@ -167,14 +174,14 @@ TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
     const SceneModel small(noisy_wall(3));
     small.disturb(0.005, 4);
     auto before = poses_of(*small.model);
-    ASSERT_TRUE(refine_grown(*small.model, 4, true, options).ok());
+    ASSERT_TRUE(refine_grown(*small.model, 4, planned(options), true, options).ok());
     EXPECT_GE(moved_images(before, *small.model).size(), kImages - 1);
 
     options.policy.affordable_up_to = kImages - 1;
     const SceneModel large(noisy_wall(3));
     large.disturb(0.005, 4);
     before = poses_of(*large.model);
-    ASSERT_TRUE(refine_grown(*large.model, 4, true, options).ok());
+    ASSERT_TRUE(refine_grown(*large.model, 4, planned(options), true, options).ok());
     const auto moved = moved_images(before, *large.model);
     EXPECT_EQ(moved.back(), kImages - 1) << "the newest";
     EXPECT_GT(moved.size(), 4U) << "and their neighbours";
