@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
 """tools/experiments/run orders: parts are counted, differing endings marked, and kept sessions used again."""
+import shutil
 import sys
 import unittest
 from pathlib import Path
@@ -146,6 +147,13 @@ class Command(Folder):
         self.assertLessEqual(made.items(), after.items())
         self.assertIn("A part of the table only", page)
         self.assertIn(f"({ORDERS.name}.md)", (self.folder / "work/pages/README.md").read_text())
+
+    def test_a_page_is_drawn_again_without_sessions(self):
+        parts = ("--scenes", "kermit", "--orders", "names", "batch")
+        page = self.table(*parts)
+        for session in (self.folder / "work").rglob("session"):
+            shutil.rmtree(session)
+        self.assertEqual(self.table(*parts), page)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One order of arrival through psfm, and what its session and its log say about it."""
 import datetime
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,15 +20,11 @@ class Session:
 def identity_of(psfm):
     """Which program made a session, as far as a person can find it again."""
     try:
-        version = answer([psfm, "--version"]).partition(" ")[0].strip()  # its commit, if any, follows
+        version, _, commit = answer([psfm, "--version"]).strip().partition(" ")
     except Failed as failure:
         raise Failed(f"{failure}; build it (cmake --preset release && cmake --build --preset release), or give "
                      "--psfm FILE") from failure
-    root, commit = Path(__file__).resolve().parents[2], ""
-    if Path(psfm).resolve().is_relative_to(root):
-        describe = ["git", "-C", str(root), "describe", "--always", "--dirty"]
-        commit = subprocess.run(describe, capture_output=True, text=True, check=False).stdout.strip()
-    return {"version": version, "sha": digest_of_file(psfm), "commit": commit}
+    return {"version": version, "sha": digest_of_file(psfm), "commit": commit.strip("()")}
 
 
 def _notes(psfm, command, seconds, load):
@@ -103,7 +98,14 @@ def export_database(settings, session):
 
 
 def status_of(settings, session):
-    return answer_json([settings.psfm, "status", "--session", session.folder, "--json"])
+    """What `psfm status --json` says. Kept beside the session: pages are drawn again where sessions are no more."""
+    kept = Kept(session.folder.parent / "status", {"session": session.record})
+    record = kept.record()
+    if record is None:
+        record = answer_json([settings.psfm, "status", "--session", session.folder, "--json"])
+        kept.begin()
+        kept.finish(record)
+    return record
 
 
 def export_model(settings, session):
