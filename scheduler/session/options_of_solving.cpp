@@ -26,27 +26,30 @@ namespace {
             "standard deviation of a principal point from the centre, over the longer side",      \
             "ours: Strecha's cameras have 0.007")
 
-#define PSFM_REFINEMENT_OPTIONS(FIELD, FROM)                                                    \
-    PSFM_ADJUSTMENT_OPTIONS(FIELD.adjustment, FROM),                                            \
-        PSFM_OPTION(FIELD.max_rounds, 1, 1000,                                                  \
-                    "rounds of completing, adjusting and filtering at most", FROM),             \
-        PSFM_OPTION(FIELD.max_change, 0, 1,                                                     \
-                    "a round that changes a smaller part of the observations is the last",      \
-                    "COLMAP 3.8"),                                                              \
-        PSFM_OPTION(FIELD.images_for_principal_point, 0, kCount,                                \
-                    "images that share a camera for its principal point to be free; 0: never",  \
-                    "ours, on Strecha's scenes; docs/accuracy.md"),                             \
-        PSFM_OPTION(FIELD.points_per_image, 0, kCount,                                          \
-                    "points adjusted together with the cameras, seen by each image; 0: all",    \
-                    "ours; docs/accuracy.md"),                                                  \
-        PSFM_OPTION(FIELD.thin_from_images, 0, kCount, "images from which only so many are",    \
-                    "ours; docs/accuracy.md"),                                                  \
-        PSFM_OPTION(FIELD.noise.loss, 0, 1000,                                                  \
-                    "width of the adjustment's loss, in noises of the model; 0: loss_scale_px", \
-                    "ours, on castle-P19; docs/notebook, noise"),                               \
-        PSFM_OPTION(FIELD.noise.max_error, 0, 1000,                                             \
-                    "error of an observation that is kept, in noises of the model; 0: "         \
-                    "solve.tracks.max_error_px",                                                \
+#define PSFM_REFINEMENT_OPTIONS(FIELD, FROM)                                                     \
+    PSFM_ADJUSTMENT_OPTIONS(FIELD.adjustment, FROM),                                             \
+        PSFM_OPTION(FIELD.max_rounds, 1, 1000,                                                   \
+                    "rounds of completing, adjusting and filtering at most", FROM),              \
+        PSFM_OPTION(FIELD.max_change, 0, 1,                                                      \
+                    "a round by which a smaller part of the observations comes or goes is last", \
+                    "COLMAP 3.8"),                                                               \
+        PSFM_OPTION(FIELD.round_tolerance, 0, 1,                                                 \
+                    "function_tolerance of the rounds before the last, where it is larger",      \
+                    "ours; docs/accuracy.md"),                                                   \
+        PSFM_OPTION(FIELD.images_for_principal_point, 0, kCount,                                 \
+                    "images that share a camera for its principal point to be free; 0: never",   \
+                    "ours, on Strecha's scenes; docs/accuracy.md"),                              \
+        PSFM_OPTION(FIELD.points_per_image, 0, kCount,                                           \
+                    "points adjusted together with the cameras, seen by each image; 0: all",     \
+                    "ours; docs/accuracy.md"),                                                   \
+        PSFM_OPTION(FIELD.thin_from_images, 0, kCount, "images from which only so many are",     \
+                    "ours; docs/accuracy.md"),                                                   \
+        PSFM_OPTION(FIELD.noise.loss, 0, 1000,                                                   \
+                    "width of the adjustment's loss, in noises of the model; 0: loss_scale_px",  \
+                    "ours, on castle-P19; docs/notebook, noise"),                                \
+        PSFM_OPTION(FIELD.noise.max_error, 0, 1000,                                              \
+                    "error of an observation that is kept, in noises of the model; 0: "          \
+                    "solve.tracks.max_error_px",                                                 \
                     "ours, on brighton; docs/notebook, noise")
 // NOLINTEND(bugprone-macro-parentheses)
 

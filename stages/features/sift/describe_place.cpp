@@ -34,6 +34,11 @@ int descriptor_radius(double sigma) {
         std::lround(kCellWidth * sigma * std::numbers::sqrt2 * 0.5 * (kCells + 1)));
 }
 
+std::size_t area_of(int radius) {
+    const std::size_t width = 2 * static_cast<std::size_t>(radius) + 1;
+    return width * width;
+}
+
 }  // namespace
 
 int reach_to_describe(const SiftOptions& options) {
@@ -41,15 +46,14 @@ int reach_to_describe(const SiftOptions& options) {
     return descriptor_radius(largest_sigma(options)) + 3;
 }
 
-void PlaceDescriber::Gradients::clear() {
-    for (std::vector<float>* values : {&dx, &dy, &weight, &row_bin, &column_bin}) values->clear();
+void PlaceDescriber::Gradients::resize(std::size_t samples) {
+    for (std::vector<float>* values : {&dx, &dy, &weight, &angle, &length, &row_bin, &column_bin})
+        if (values->size() < samples) values->resize(samples);
 }
 
 void PlaceDescriber::Gradients::find_polar() {
-    angle.resize(dx.size());
-    length.resize(dx.size());
-    const int size = static_cast<int>(dx.size());
-    if (size == 0) return;
+    if (count == 0) return;
+    const int size = static_cast<int>(count);
     cv::hal::exp32f(weight.data(), weight.data(), size);
     cv::hal::fastAtan32f(dy.data(), dx.data(), angle.data(), size, true);  // degrees
     cv::hal::magnitude32f(dx.data(), dy.data(), length.data(), size);
@@ -64,24 +68,26 @@ std::span<const float> PlaceDescriber::orientations(const OctaveStrip& strip,
     const int radius = static_cast<int>(std::lround(kOrientationRadius * place.sigma));
     const float window = kOrientationSigma * place.sigma;
     const float factor = -0.5F / (window * window);
-    gradients_.clear();
+    gradients_.resize(area_of(radius));
+    std::size_t count = 0;
     for (int i = -radius; i <= radius; ++i) {
         const int y = centre_y + i;
         if (y <= 0 || y >= image.rows - 1) continue;
         const auto* above = image.ptr<float>(y - 1);
         const auto* line = image.ptr<float>(y);
         const auto* below = image.ptr<float>(y + 1);
-        for (int x = std::max(1, centre_x - radius);
-             x <= std::min(image.cols - 2, centre_x + radius); ++x) {
+        const int last_x = std::min(image.cols - 2, centre_x + radius);
+        for (int x = std::max(1, centre_x - radius); x <= last_x; ++x, ++count) {
             const int j = x - centre_x;
-            gradients_.dx.push_back(line[x + 1] - line[x - 1]);
-            gradients_.dy.push_back(below[x] - above[x]);
-            gradients_.weight.push_back(static_cast<float>(i * i + j * j) * factor);
+            gradients_.dx[count] = line[x + 1] - line[x - 1];
+            gradients_.dy[count] = below[x] - above[x];
+            gradients_.weight[count] = static_cast<float>(i * i + j * j) * factor;
         }
     }
+    gradients_.count = count;
     gradients_.find_polar();
     std::array<float, kOrientationBins> raw{};
-    for (std::size_t k = 0; k < gradients_.angle.size(); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
         auto bin = static_cast<int>(std::lround(gradients_.angle[k] * (kOrientationBins / 360.F)));
         bin %= kOrientationBins;
         raw[static_cast<std::size_t>(bin)] += gradients_.weight[k] * gradients_.length[k];
@@ -116,49 +122,96 @@ std::span<const float> PlaceDescriber::orientations(const OctaveStrip& strip,
     return directions_;
 }
 
+/// The window of a descriptor: a square, turned by the orientation.
+struct PlaceDescriber::Window {
+    float centre_x = 0.F, centre_y = 0.F;
+    float cosine = 0.F, sine = 0.F;  ///< of the orientation, over the width of a cell
+    // Mathematics: half the window's width, in cells, and the half that bins reach beyond it.
+    static constexpr float kHalf = 0.5F * kCells;
+    static constexpr float kReach = kHalf + 0.5F;
+
+    // Turned back by the orientation, in cells.
+    float u(float dx, float dy) const { return cosine * dx + sine * dy; }
+    float v(float dx, float dy) const { return cosine * dy - sine * dx; }
+    bool holds(int x, float dy) const {
+        const float dx = static_cast<float>(x) - centre_x;
+        return std::abs(u(dx, dy)) < kReach && std::abs(v(dx, dy)) < kReach;
+    }
+
+    /// The columns from first_x to last_x of a row that it holds: first and last; nothing where
+    /// first > last. A square is convex, so they have no gap.
+    std::pair<int, int> columns(float dy, int first_x, int last_x) const {
+        float low = static_cast<float>(first_x) - centre_x;
+        float high = static_cast<float>(last_x) - centre_x;
+        const auto narrow = [&](float slope, float offset) {  // |offset + slope * dx| < kReach
+            if (std::abs(slope) < 1e-6F) return;
+            const auto [from, to] =
+                std::minmax({(-kReach - offset) / slope, (kReach - offset) / slope});
+            low = std::max(low, from);
+            high = std::min(high, to);
+        };
+        narrow(cosine, sine * dy);
+        narrow(-sine, cosine * dy);
+        // Rounded: the exact ones are found by looking.
+        int first = std::max(first_x, static_cast<int>(std::floor(centre_x + low)) - 1);
+        int last = std::min(last_x, static_cast<int>(std::ceil(centre_x + high)) + 1);
+        while (first <= last && !holds(first, dy)) ++first;
+        while (first <= last && !holds(last, dy)) --last;
+        return {first, last};
+    }
+};
+
+void PlaceDescriber::collect(const cv::Mat& image, const Window& window, int radius) {
+    // Mathematics: the exponent of its Gaussian, of half its width (Lowe 2004, sec. 6.1).
+    constexpr float kExponent = -1.F / (0.5F * kCells * kCells);
+    const int middle_x = static_cast<int>(std::lround(window.centre_x));
+    const int middle_y = static_cast<int>(std::lround(window.centre_y));
+    const int last_y = std::min(image.rows - 2, middle_y + radius);
+    gradients_.resize(area_of(radius));
+    std::size_t count = 0;
+    for (int y = std::max(1, middle_y - radius); y <= last_y; ++y) {
+        const float dy = static_cast<float>(y) - window.centre_y;
+        const auto [first, last] = window.columns(dy, std::max(1, middle_x - radius),
+                                                  std::min(image.cols - 2, middle_x + radius));
+        const int columns = last - first + 1;
+        const float* above = image.ptr<float>(y - 1) + first;
+        const float* line = image.ptr<float>(y) + first;
+        const float* below = image.ptr<float>(y + 1) + first;
+        float* gradient_x = gradients_.dx.data() + count;
+        float* gradient_y = gradients_.dy.data() + count;
+        float* weight = gradients_.weight.data() + count;
+        float* column_bin = gradients_.column_bin.data() + count;
+        float* row_bin = gradients_.row_bin.data() + count;
+        for (int i = 0; i < columns; ++i) {
+            const float dx = static_cast<float>(first + i) - window.centre_x;
+            const float u = window.u(dx, dy);
+            const float v = window.v(dx, dy);
+            gradient_x[i] = line[i + 1] - line[i - 1];
+            gradient_y[i] = below[i] - above[i];
+            weight[i] = (u * u + v * v) * kExponent;
+            column_bin[i] = u + Window::kHalf - 0.5F;
+            row_bin[i] = v + Window::kHalf - 0.5F;
+        }
+        count += static_cast<std::size_t>(std::max(0, columns));
+    }
+    gradients_.count = count;
+    gradients_.find_polar();
+}
+
 std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
                                                        const SiftPlace& place, float orientation) {
-    const cv::Mat& image = strip.layers[static_cast<std::size_t>(place.layer)];
-    const float centre_x = place.column;
-    const float centre_y = place.row - static_cast<float>(strip.first_row);
-    const int radius = descriptor_radius(place.sigma);
-    const float cosine = std::cos(orientation) / (kCellWidth * place.sigma);
-    const float sine = std::sin(orientation) / (kCellWidth * place.sigma);
-    // Mathematics: half the width of the window, and the exponent of its Gaussian, of half that
-    // width (Lowe 2004, sec. 6.1).
-    constexpr float kHalf = 0.5F * kCells;
-    constexpr float kWindow = -1.F / (0.5F * kCells * kCells);
-    const int first_y = std::max(1, static_cast<int>(std::lround(centre_y)) - radius);
-    const int last_y = std::min(image.rows - 2, static_cast<int>(std::lround(centre_y)) + radius);
-    const int first_x = std::max(1, static_cast<int>(std::lround(centre_x)) - radius);
-    const int last_x = std::min(image.cols - 2, static_cast<int>(std::lround(centre_x)) + radius);
-    gradients_.clear();
-    for (int y = first_y; y <= last_y; ++y) {
-        const auto* above = image.ptr<float>(y - 1);
-        const auto* line = image.ptr<float>(y);
-        const auto* below = image.ptr<float>(y + 1);
-        const float dy = static_cast<float>(y) - centre_y;
-        for (int x = first_x; x <= last_x; ++x) {
-            const float dx = static_cast<float>(x) - centre_x;
-            // Turned back by the orientation, in cells.
-            const float u = cosine * dx + sine * dy;
-            const float v = cosine * dy - sine * dx;
-            if (std::abs(u) >= kHalf + 0.5F || std::abs(v) >= kHalf + 0.5F) continue;
-            gradients_.dx.push_back(line[x + 1] - line[x - 1]);
-            gradients_.dy.push_back(below[x] - above[x]);
-            gradients_.weight.push_back((u * u + v * v) * kWindow);
-            gradients_.column_bin.push_back(u + kHalf - 0.5F);
-            gradients_.row_bin.push_back(v + kHalf - 0.5F);
-        }
-    }
-    gradients_.find_polar();
+    const float cell_width = kCellWidth * place.sigma;
+    collect(strip.layers[static_cast<std::size_t>(place.layer)],
+            {place.column, place.row - static_cast<float>(strip.first_row),
+             std::cos(orientation) / cell_width, std::sin(orientation) / cell_width},
+            descriptor_radius(place.sigma));
 
     // Mathematics: a cell more on either side, and a direction more, take what falls beyond.
     constexpr int kRowStep = (kCells + 2) * (kDirections + 1);
     constexpr int kColumnStep = kDirections + 1;
     std::array<float, static_cast<std::size_t>((kCells + 2) * kRowStep)> histogram{};
     const float turn = orientation * kDirections / kFullTurn;
-    for (std::size_t k = 0; k < gradients_.angle.size(); ++k) {
+    for (std::size_t k = 0; k < gradients_.count; ++k) {
         const float row = gradients_.row_bin[k] + 1.F;  // above 0
         const float column = gradients_.column_bin[k] + 1.F;
         // Counter-clockwise from the orientation, as OpenCV's descriptors have them.
@@ -176,13 +229,14 @@ std::span<const float, 128> PlaceDescriber::descriptor(const OctaveStrip& strip,
         float* cell = histogram.data() + row0 * kRowStep + column0 * kColumnStep + direction0;
         const float lower = value * (1.F - dr);
         const float upper = value * dr;
-        for (const auto& [share, at] :
-             {std::pair(lower * (1.F - dc), cell), std::pair(lower * dc, cell + kColumnStep),
-              std::pair(upper * (1.F - dc), cell + kRowStep),
-              std::pair(upper * dc, cell + kRowStep + kColumnStep)}) {
+        const auto add = [&](float share, float* at) {
             at[0] += share * (1.F - dd);
             at[1] += share * dd;
-        }
+        };
+        add(lower * (1.F - dc), cell);
+        add(lower * dc, cell + kColumnStep);
+        add(upper * (1.F - dc), cell + kRowStep);
+        add(upper * dc, cell + kRowStep + kColumnStep);
     }
     auto* next = values_.data();
     float squares = 0.F;

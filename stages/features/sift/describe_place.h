@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -31,10 +32,14 @@ class PlaceDescriber {
   private:
     /// Gradients of the pixels that count, their directions and lengths.
     struct Gradients {
-        std::vector<float> dx, dy, weight, angle, length, row_bin, column_bin;
-        void clear();
+        std::vector<float> dx, dy, weight, angle, length, row_bin, column_bin;  // at least `count`
+        std::size_t count = 0;
+        void resize(std::size_t samples);
         void find_polar();
     };
+    struct Window;
+    void collect(const cv::Mat& image, const Window& window, int radius);
+
     Gradients gradients_;
     std::vector<float> directions_;
     std::array<float, 128> values_{};

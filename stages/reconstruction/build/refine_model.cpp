@@ -3,8 +3,10 @@
 #include "stages/reconstruction/build/refine_model.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -83,49 +85,93 @@ AdjustmentScope scope_of(const WorkingModel& model, std::span<const std::uint32_
     return scope;
 }
 
-/// Whether an adjustment has shown the noise to be so much less that another one is worth it.
-bool is_narrower(const AdjustmentOptions& next, const AdjustmentOptions& last) {
-    return next.loss_scale_px < 0.8 * last.loss_scale_px;
+/// By feature of the images, one image after the other: whether a point is seen there.
+std::vector<std::uint8_t> observed_features(const WorkingModel& model,
+                                            std::span<const std::uint32_t> images) {
+    std::vector<std::uint8_t> observed;
+    for (const std::uint32_t image : images) {
+        for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature)
+            observed.push_back(model.point_of({image, feature}) != WorkingModel::kNoPoint ? 1 : 0);
+    }
+    return observed;
+}
+
+std::size_t count_differences(std::span<const std::uint8_t> some,
+                              std::span<const std::uint8_t> others) {
+    return std::transform_reduce(some.begin(), some.end(), others.begin(), std::size_t{0},
+                                 std::plus(), std::not_equal_to());
+}
+
+/// What a round of completing, adjusting and filtering has done.
+struct Round {
+    AdjustmentOptions adjustment;  ///< as it was made
+    std::size_t changed = 0;       ///< observations that came or went, points that were merged
+};
+
+/// @param images  those of the region, or all that are registered
+/// @param min_tolerance  function_tolerance at least
+Result<Round> refine_once(WorkingModel& model, const std::vector<std::uint32_t>& region,
+                          std::span<const std::uint32_t> images, bool fix_intrinsics,
+                          double min_tolerance, const RefinementOptions& refinement,
+                          const SolveOptions& options, const std::atomic<bool>* cancel) {
+    Round round;
+    TrackOptions tracks = options.tracks;
+    tracks.max_error_px = max_error_by_noise(model, refinement.adjustment, refinement.noise,
+                                             options.tracks.max_error_px);
+    const std::vector<std::uint8_t> observed = observed_features(model, images);
+    complete_tracks(model, region, tracks);
+    round.changed = merge_tracks(model, region, tracks);
+    for (const std::uint32_t image : images) triangulate_image(model, image, tracks);
+    const bool free_intrinsics =
+        !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
+    const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
+    // Half a megabyte an image, which is not looked at before the next round.
+    model.matches().forget();
+    round.adjustment = fitted_to_noise(model, refinement.adjustment, refinement.noise);
+    round.adjustment.function_tolerance =
+        std::max(round.adjustment.function_tolerance, min_tolerance);
+    const auto report = adjust(model, scope, round.adjustment, cancel);
+    if (!report.ok()) return report.error();
+    if (scope.points) {
+        std::vector<std::uint32_t> others;
+        std::ranges::set_difference(points_seen_by(model, region), *scope.points,
+                                    std::back_inserter(others));
+        refine_points(model, others, round.adjustment);
+    }
+    filter_tracks(model, region, tracks);
+    // What comes and goes again does so in every round.
+    round.changed += count_differences(observed, observed_features(model, images));
+    return round;
+}
+
+/// Whether another round would do no more than this one: neither observations nor the loss change.
+bool is_steady(const Round& round, const WorkingModel& model,
+               const std::vector<std::uint32_t>& region, const RefinementOptions& refinement) {
+    const auto observations = static_cast<double>(observation_count(model, region));
+    const AdjustmentOptions next = fitted_to_noise(model, round.adjustment, refinement.noise);
+    return static_cast<double>(round.changed) < refinement.max_change * observations &&
+           next.loss_scale_px >= 0.8 * round.adjustment.loss_scale_px;
 }
 
 /// Adjusts a region of the model, or all of it when none is given.
 Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_t>& region,
                              bool fix_intrinsics, const RefinementOptions& refinement,
                              const SolveOptions& options, const std::atomic<bool>* cancel) {
+    const double tolerance = refinement.adjustment.function_tolerance;
+    bool was_steady = false;
     std::uint32_t adjustments = 0;
-    for (int round = 0; round < refinement.max_rounds; ++round) {
-        TrackOptions tracks = options.tracks;
-        tracks.max_error_px = max_error_by_noise(model, refinement.adjustment, refinement.noise,
-                                                 options.tracks.max_error_px);
-        std::size_t changed = complete_tracks(model, region, tracks);
-        changed += merge_tracks(model, region, tracks);
-        for (const std::uint32_t image : region.empty() ? registered_images(model) : region)
-            changed += triangulate_image(model, image, tracks);
-        const bool free_intrinsics =
-            !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
-        const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
-        // Half a megabyte an image, which is not looked at before the next round.
-        model.matches().forget();
-        const AdjustmentOptions adjustment =
-            fitted_to_noise(model, refinement.adjustment, refinement.noise);
-        const auto report = adjust(model, scope, adjustment, cancel);
-        if (!report.ok()) return report.error();
+    for (int number = 1; number <= refinement.max_rounds; ++number) {
+        const bool is_last = was_steady || number == refinement.max_rounds;
+        const auto round = refine_once(
+            model, region, region.empty() ? registered_images(model) : region, fix_intrinsics,
+            is_last ? tolerance : refinement.round_tolerance, refinement, options, cancel);
+        if (!round.ok()) return round.error();
         ++adjustments;
-        if (scope.points) {
-            std::vector<std::uint32_t> others;
-            std::ranges::set_difference(points_seen_by(model, region), *scope.points,
-                                        std::back_inserter(others));
-            refine_points(model, others, adjustment);
-        }
-        changed += filter_tracks(model, region, tracks);
         // A region is chosen anew where one of its images is gone.
         if (remove_weak_images(model, options) > 0 && !region.empty()) break;
-        const bool is_steady =
-            static_cast<double>(changed) <
-            refinement.max_change * static_cast<double>(observation_count(model, region));
-        if (is_steady &&
-            !is_narrower(fitted_to_noise(model, adjustment, refinement.noise), adjustment))
-            break;
+        if (is_last) break;
+        was_steady = is_steady(*round, model, region, refinement);
+        if (was_steady && round->adjustment.function_tolerance <= tolerance) break;
     }
     return adjustments;
 }

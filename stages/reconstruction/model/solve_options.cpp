@@ -48,6 +48,12 @@ Result<void> validate(const SolveOptions& options) {
         options.large_growth.max_rounds < 1 || options.settling.max_rounds < 1) {
         return Error{ErrorCode::kInvalidArgument, "pairs and rounds must be at least 1"};
     }
+    for (const RefinementOptions* refinement :
+         {&options.growth, &options.large_growth, &options.settling}) {
+        if (!(refinement->max_change >= 0) || !(refinement->round_tolerance >= 0))
+            return Error{ErrorCode::kInvalidArgument,
+                         "max_change and round_tolerance must not be negative"};
+    }
     return {};
 }
 

@@ -127,6 +127,20 @@ TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
     EXPECT_GT(moved.front(), 15U);
 }
 
+TEST(RefineModel, RoundsBeforeTheLastOneMayBeRough) {
+    SolveOptions rough;
+    rough.settling.round_tolerance = 0.5;
+    SolveOptions fine;
+    fine.settling.round_tolerance = 0.0;
+    const SceneModel one(noisy_wall(7));
+    const SceneModel other(noisy_wall(7));
+    one.disturb(0.005, 3);
+    other.disturb(0.005, 3);
+    ASSERT_TRUE(refine_model(*one.model, false, rough.settling, rough).ok());
+    ASSERT_TRUE(refine_model(*other.model, false, fine.settling, fine).ok());
+    EXPECT_NEAR(mean_error(one), mean_error(other), 0.02 * mean_error(other));
+}
+
 TEST(RefineGrown, TakesFewStepsForWhatIsLargerThanConvergeUpTo) {
     SolveOptions options;
     options.growth.max_rounds = 3;
