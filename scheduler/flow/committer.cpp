@@ -145,6 +145,7 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     // Aliased pointers: keypoints and descriptors live as long as the extracted photograph.
     accepted->keypoints = {message.photo, &photo.keypoints};
     accepted->descriptors = {message.photo, &photo.descriptors};
+    accepted->view_graph = state_.view_graph;
     if (const auto stored = store_->commit_image(image, accepted->camera, photo.keypoints,
                                                  photo.descriptors, source);
         !stored.ok())

@@ -34,7 +34,9 @@ Result<void> Committer::on(const ResumedImage& message, CommitOutput& output) {
     pending.report.name = message.image->image.name;
     pending.arrival = Clock::now();
     state_.pending[index_of(message.image->image.id)] = pending;
-    output.accepted.push_back(message.image);
+    auto accepted = std::make_shared<AcceptedImage>(*message.image);
+    accepted->view_graph = state_.view_graph;
+    output.accepted.push_back(std::move(accepted));
     return {};
 }
 

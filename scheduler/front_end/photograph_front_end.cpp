@@ -43,7 +43,7 @@ class PhotographFrontEnd final : public FrontEnd {
             return store_.descriptors(image);
         };
         const auto found = run_retrieval(retrieval_, accepted.image.id, *accepted.descriptors,
-                                         descriptors, options_.retrieval);
+                                         descriptors, options_.retrieval, accepted.view_graph);
         if (!found.ok()) return found.error();
         make_room();
         std::vector<KnownImage> candidates;

@@ -15,6 +15,7 @@
 #include "graph/result.h"
 #include "graph/scene.h"
 #include "graph/two_view_geometry.h"
+#include "graph/view_graph.h"
 #include "scheduler/session/file_stamp.h"
 #include "stages/features/photographs/photo_file.h"
 #include "stages/features/run_features.h"
@@ -57,6 +58,7 @@ struct AcceptedImage {
     Camera camera;
     std::shared_ptr<const Keypoints> keypoints;
     std::shared_ptr<const Descriptors> descriptors;
+    ViewGraph view_graph = {};  ///< of the images before it, as far as they had been verified
 };
 using AcceptedImagePtr = std::shared_ptr<const AcceptedImage>;
 

@@ -36,6 +36,8 @@ Result<void> validate(const RetrievalOptions& options) {
                              std::to_string(range.low) + " to " + std::to_string(range.high)};
         }
     }
+    if (!(options.vouched_part >= 0.0) || !(options.vouched_part <= 1.0))
+        return Error{ErrorCode::kInvalidArgument, "retrieval: vouched_part must lie in 0 to 1"};
     return {};
 }
 

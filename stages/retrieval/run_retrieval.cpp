@@ -3,11 +3,13 @@
 #include "stages/retrieval/run_retrieval.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "stages/retrieval/expand_candidates.h"
 #include "stages/retrieval/session_vocabulary.h"
 
 namespace psfm {
@@ -71,10 +73,14 @@ std::vector<RetrievalCandidate> all_earlier(std::uint32_t count) {
 
 std::vector<RetrievalCandidate> most_similar(const InvertedFile& index,
                                              std::span<const std::uint32_t> words,
-                                             const RetrievalOptions& options) {
+                                             const RetrievalOptions& options,
+                                             const ViewGraph& view_graph) {
+    const auto vouched = static_cast<std::size_t>(
+        std::lround(options.vouched_part * static_cast<double>(options.candidates)));
     std::vector<RetrievalCandidate> candidates;
     for (const ScoredImage& found :
-         index.most_similar(words, options.candidates, options.max_postings)) {
+         expand_candidates(index.most_similar(words, options.candidates, options.max_postings),
+                           view_graph, options.candidates, vouched)) {
         candidates.push_back({ImageId{found.image}, found.score});
     }
     std::sort(candidates.begin(), candidates.end(),
@@ -87,7 +93,8 @@ std::vector<RetrievalCandidate> most_similar(const InvertedFile& index,
 Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
                                       const Descriptors& descriptors,
                                       const DescriptorSource& source,
-                                      const RetrievalOptions& options) {
+                                      const RetrievalOptions& options,
+                                      const ViewGraph& view_graph) {
     if (const auto valid = validate(options); !valid) return valid.error();
     const std::uint32_t earlier = state.image_count;
     if (index_of(image) != earlier) {
@@ -107,8 +114,9 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
     if (state.vocabulary && is_milestone(earlier, options)) state.index.refresh_weights();
     std::vector<std::uint32_t> words;
     if (state.vocabulary) words = state.vocabulary->assign(indexed_rows(descriptors, options));
-    result.candidates = earlier <= options.candidates ? all_earlier(earlier)
-                                                      : most_similar(state.index, words, options);
+    result.candidates = earlier <= options.candidates
+                            ? all_earlier(earlier)
+                            : most_similar(state.index, words, options, view_graph);
     if (state.vocabulary) state.index.add(words);
     ++state.image_count;
     return result;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "graph/view_graph.h"
 #include "stages/retrieval/retrieval_options.h"
 #include "stages/retrieval/retrieval_state.h"
 
@@ -31,8 +32,10 @@ struct RetrievalResult {
 /// and whenever their number has doubled since, a vocabulary is trained from all images before this
 /// one (unless one was given) and they are indexed anew; up to options.max_training_images, after
 /// which the vocabulary stays. Each image is so indexed about twice in all: the cost an image stays
-/// constant. Above, candidates are the most similar images by tf-idf (InvertedFile).
+/// constant. Above, candidates are the most similar images by tf-idf (InvertedFile), and others
+/// that these have edges with (expand_candidates).
 /// @param source  asked for earlier images when a vocabulary is trained
+/// @param view_graph  what is known of the earlier images
 /// @errors kInvalidArgument: options, or `image` is not number state.image_count; any error of
 /// `source`,
 ///         passed on. After an error the state is as before the call.
@@ -40,7 +43,8 @@ struct RetrievalResult {
 Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
                                       const Descriptors& descriptors,
                                       const DescriptorSource& source,
-                                      const RetrievalOptions& options);
+                                      const RetrievalOptions& options,
+                                      const ViewGraph& view_graph = {});
 
 /// The state after run_retrieval() has taken in images 0 … image_count - 1, to the bit, in one pass
 /// over their descriptors (two below the last training) and with one training at most. For resuming

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The inverted file when N images are in it: what looking one more image up and adding it costs,
-// and how many of the images that truly overlap it are found. Images of a simulated town, where an
-// image overlaps some tens of others, however large the town is; each point has a visual word, and
-// most features of an image are of nothing that another image shows, as a photograph's are.
+// Retrieval when N images are present: what looking one more image up and adding it costs, and how
+// many of the images that truly overlap it are found, by words and by the edges of what words find.
+// Images of a simulated town, where an image overlaps some tens of others, however large the town
+// is; each point has a visual word, and most features of an image are of nothing that another image
+// shows, as a photograph's are.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -12,9 +13,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "stages/retrieval/expand_candidates.h"
 #include "stages/retrieval/inverted_file.h"
 #include "stages/retrieval/retrieval_options.h"
 #include "tests/synthetic/look_alike_scene.h"
@@ -31,6 +34,7 @@ constexpr std::size_t kFeaturesOfPoint = 3;  ///< the town has fewer points than
 constexpr std::size_t kMinCommonFeatures = 30;
 constexpr std::size_t kManyCommonFeatures = 120;
 constexpr double kKeptPart = 0.6;
+constexpr std::size_t kEnoughPairs = 50;  ///< VerificationOptions
 constexpr double kSkew = 1.0 / 2.3;
 
 std::uint32_t any_word(synthetic::Rng& rng, std::size_t words) {
@@ -106,10 +110,36 @@ class Town {
     std::vector<std::vector<std::uint32_t>> seen_by_;  ///< of each point: images that are present
 };
 
+std::vector<ScoredImage> look_up(const InvertedFile& index, const ViewGraph& view_graph,
+                                 std::span<const std::uint32_t> words,
+                                 const RetrievalOptions& options) {
+    const auto vouched =
+        static_cast<std::size_t>(options.vouched_part * static_cast<double>(options.candidates));
+    return expand_candidates(index.most_similar(words, options.candidates, options.max_postings),
+                             view_graph, options.candidates, vouched);
+}
+
+/// What overlaps truly is verified, the most promising first, until there are enough pairs.
+void verify(std::span<const ScoredImage> candidates, const std::vector<Town::Overlap>& overlapping,
+            ViewGraph& view_graph) {
+    std::unordered_map<std::uint32_t, std::size_t> features;
+    for (const Town::Overlap& overlap : overlapping) features[overlap.image] = overlap.features;
+    const ImageId image = view_graph.add_node();
+    std::size_t verified = 0;
+    for (const ScoredImage& candidate : candidates) {
+        const auto found = features.find(candidate.image);
+        if (found == features.end()) continue;
+        view_graph.add_edge(static_cast<ImageId>(candidate.image), image,
+                            static_cast<double>(found->second));
+        if (++verified == kEnoughPairs) break;
+    }
+}
+
 void BM_LookUpAndAdd(benchmark::State& state) {
     const RetrievalOptions options;
     Town town(static_cast<std::size_t>(state.range(0)) + kTimed, options);
     InvertedFile index(options.max_words);
+    ViewGraph view_graph;
     std::size_t next = 0;
     std::size_t weighed = 0;
     double weighing = 0.0;
@@ -121,8 +151,10 @@ void BM_LookUpAndAdd(benchmark::State& state) {
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             weighed = next;
         }
-        index.add(town.words(next));
-        town.arrive(next);
+        const std::vector<std::uint32_t> words = town.words(next);
+        const auto overlapping = town.arrive(next);
+        verify(look_up(index, view_graph, words, options), overlapping, view_graph);
+        index.add(words);
     }
     struct Found {
         std::size_t found = 0, of = 0;
@@ -134,9 +166,10 @@ void BM_LookUpAndAdd(benchmark::State& state) {
         const std::vector<std::uint32_t> words = town.words(next);
         const auto overlapping = town.arrive(next);
         state.ResumeTiming();
-        const auto similar = index.most_similar(words, options.candidates, options.max_postings);
+        const auto similar = look_up(index, view_graph, words, options);
         index.add(words);
         state.PauseTiming();
+        verify(similar, overlapping, view_graph);
         for (const Town::Overlap& overlap : overlapping) {
             const bool found = std::ranges::count(similar, overlap.image, &ScoredImage::image) > 0;
             for (Found* count : {&all, &strong}) {

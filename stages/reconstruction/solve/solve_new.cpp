@@ -40,13 +40,15 @@ Result<SolveAttempt> solve_globally(const SolveContext& context,
     return finish_attempt(draft, context);
 }
 
-/// A model of more images than the best so far is adjusted to convergence, and takes its place.
+/// A model of more images than the best so far is adjusted, and takes its place: to convergence
+/// once no photograph follows, for then it is compared with others.
 /// @errors kCancelled
 Result<void> take_if_larger(SolveDraft& draft, const SolveContext& context, SolveAttempt& best) {
     if (draft.model.registered_count() <= best.model.images.size()) return {};
-    const auto adjustments =
-        refine_model(draft.model, context.problem.fix_intrinsics, context.options.settling,
-                     context.options, context.cancel);
+    const RefinementOptions& refinement =
+        context.problem.concluding ? context.options.settling : context.options.growth;
+    const auto adjustments = refine_model(draft.model, context.problem.fix_intrinsics, refinement,
+                                          context.options, context.cancel);
     if (!adjustments.ok())
         return is_cancelled(adjustments.error()) ? adjustments.error() : Result<void>();
     note_adjusted(draft, *adjustments);

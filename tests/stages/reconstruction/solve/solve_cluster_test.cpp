@@ -35,6 +35,7 @@ TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
                                                     {.fraction = 0.1}, 5);
     ClusterProblem problem = problem_of(scene, pairs);
     problem.fix_intrinsics = true;
+    problem.concluding = true;  // adjusted to convergence at once
     SolveOptions options;
     options.settling.adjustment.sigma_per_scale =
         0.0;  // the planted noise is the same at every scale

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stages/retrieval/expand_candidates.h"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+namespace psfm {
+namespace {
+
+using Scores = std::unordered_map<std::uint32_t, float>;
+
+/// What the similar images say of their neighbours, by image.
+Scores vouch(std::span<const ScoredImage> similar, const ViewGraph& view_graph) {
+    Scores scores;
+    const float least = similar.back().score;
+    for (const ScoredImage& known : similar) {
+        const auto edges = view_graph.edges(static_cast<ImageId>(known.image));
+        const double strongest =
+            edges.empty() ? 0.0 : std::ranges::max(edges, {}, &ViewGraph::Edge::weight).weight;
+        if (strongest <= 0.0) continue;
+        for (const ViewGraph::Edge& edge : edges) {
+            const auto part = static_cast<float>(edge.weight / strongest);
+            scores[static_cast<std::uint32_t>(index_of(edge.neighbor))] +=
+                part * (known.score - least);
+        }
+    }
+    return scores;
+}
+
+}  // namespace
+
+std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
+                                           const ViewGraph& view_graph, std::size_t count,
+                                           std::size_t vouched) {
+    similar = similar.first(std::min(similar.size(), count));
+    const std::size_t asked = std::min(similar.size(), count - std::min(count, vouched));
+    if (asked == similar.size()) return {similar.begin(), similar.end()};
+    Scores scores = vouch(similar, view_graph);
+    const float least = similar.back().score;
+    for (const ScoredImage& other : similar.subspan(asked))
+        scores[other.image] += other.score - least;
+    std::vector<ScoredImage> candidates(similar.begin(),
+                                        similar.begin() + static_cast<std::ptrdiff_t>(asked));
+    for (const ScoredImage& taken : candidates) scores.erase(taken.image);
+    std::vector<ScoredImage> others;
+    others.reserve(scores.size());
+    for (const auto& [image, score] : scores) others.push_back({image, score});
+    std::ranges::sort(others, [](const ScoredImage& a, const ScoredImage& b) {
+        return a.score != b.score ? a.score > b.score : a.image < b.image;
+    });
+    others.resize(std::min(others.size(), count - asked));
+    // Behind the similar ones, and above 0, which would say that nothing was compared.
+    const float highest = asked > 0 ? candidates.back().score : 1.F;
+    const float first = std::max(others.front().score, 1e-6F);
+    for (ScoredImage& other : others)
+        other.score = highest * std::max(other.score / first, 1e-3F);
+    candidates.insert(candidates.end(), others.begin(), others.end());
+    return candidates;
+}
+
+}  // namespace psfm
