@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Every part psfm relies on, found once; all of them are Debian 12 packages (tools/install-packages).
+# Every part that the libraries rely on, found once, here and by whoever links them; all of them are Debian packages
+# (tools/install-packages, and what libpsfm-dev depends on: cmake/PsfmPackage.cmake).
 find_package(Threads REQUIRED)
 find_package(Eigen3 CONFIG REQUIRED)
 find_package(TBB CONFIG REQUIRED)
@@ -10,12 +11,9 @@ find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3
 find_package(flann CONFIG REQUIRED)
 find_package(RocksDB CONFIG REQUIRED)
 find_package(FlatBuffers CONFIG REQUIRED)
-find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(SQLite3 REQUIRED)
-find_package(ZLIB REQUIRED)
 find_package(JPEG REQUIRED)
-find_package(Boost 1.74 REQUIRED)  # headers: Beast and Asio
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(openblas REQUIRED IMPORTED_TARGET openblas)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
@@ -23,6 +21,3 @@ pkg_check_modules(exiv2 REQUIRED IMPORTED_TARGET exiv2)
 pkg_check_modules(lensfun REQUIRED IMPORTED_TARGET lensfun)
 pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)
 pkg_check_modules(libheif REQUIRED IMPORTED_TARGET libheif)
-pkg_check_modules(sodium REQUIRED IMPORTED_TARGET libsodium)
-pkg_check_modules(qrencode REQUIRED IMPORTED_TARGET libqrencode)
-pkg_check_modules(seccomp REQUIRED IMPORTED_TARGET libseccomp)

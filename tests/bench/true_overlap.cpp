@@ -52,7 +52,8 @@ Result<void> load_features(const PhotoFile& photo, const std::filesystem::path& 
 
 Result<std::vector<KnownImage>> load_known_images(const std::filesystem::path& data_set,
                                                   const std::filesystem::path& order_file,
-                                                  const std::filesystem::path& cache) {
+                                                  const std::filesystem::path& cache,
+                                                  std::size_t stride) {
     std::filesystem::create_directories(cache);
     const auto model = read_colmap_model(data_set / "gt", {.keypoints = false, .points = false});
     if (!model) return model.error();
@@ -73,8 +74,10 @@ Result<std::vector<KnownImage>> load_known_images(const std::filesystem::path& d
     std::map<std::string, ExportedImage> known;
     for (const ExportedImage& image : model->images) known[image.name] = image;
     std::vector<KnownImage> images;
+    std::size_t position = 0;
     for (const std::string& name : order) {
         if (!photos.contains(name) || !known.contains(name)) continue;
+        if (position++ % stride != 0) continue;
         const ExportedImage& pose = known[name];
         KnownImage image{name, cameras[pose.camera_id], pose.cam_from_world, {}, {}};
         const auto loaded = load_features(photos[name], cache, image);

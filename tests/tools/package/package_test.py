@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes psfm's packages for a Debian release and uses them on clean roots of it, as someone would who has nothing but
+that release: apt install, photographs to a data set, a photograph localised; a program that links the libraries.
+
+usage: package_test.py BUILD RELEASE [--dev]     (RELEASE: 12 or 13; --dev: libpsfm-dev, too, which takes a gigabyte)
+
+The release that the test runs on is built for here, others in a root of theirs; what was compiled and downloaded stays
+in build/package. Exit code 77: mmdebstrap or Debian's archive is not there.
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import urllib.request
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+MIRROR = os.environ.get("PSFM_DEBIAN_MIRROR", "http://deb.debian.org/debian")
+SUITES = {"12": "bookworm", "13": "trixie"}
+SKIPPED = 77
+
+# What a user does on a clean system. Everything else that is in there has come by apt as a dependency of psfm.
+USE = r"""
+set -eux
+cd /root
+apt-get install --yes ./psfm_*.deb
+psfm --version
+psfm doctor --folder /root
+psfm run photographs --session session --threads 2
+psfm export --session session --format dataset --output train --reduced 2
+psfm export --session session --format gltf --output gltf
+psfm localise --session session photographs/*0.jpg --json > localised.json
+psfm check --session session
+psfm view --session session --output model.html
+psfm report --session session --output report.html
+gzip -dc /usr/share/man/man1/psfm-export.1.gz > manual.txt
+bash -c 'source /usr/share/bash-completion/completions/psfm
+         COMP_WORDS=(psfm exp); COMP_CWORD=1; _psfm; echo "${COMPREPLY[@]}"' > completed.txt
+getent passwd psfm > user.txt
+test -f /usr/lib/systemd/system/psfm.service
+apt-get remove --yes psfm
+! command -v psfm
+"""
+USED = "train gltf localised.json model.html report.html manual.txt completed.txt user.txt"
+
+LINK = r"""
+set -eux
+cd /root
+apt-get install --yes --no-install-recommends ./libpsfm-dev_*.deb g++ cmake ninja-build
+cmake -S consumer -B built -G Ninja
+cmake --build built
+built/psfm-consumer
+"""
+
+
+def run(*words, **options):
+    print("+", *words, flush=True)
+    subprocess.run([str(word) for word in words], check=True, **options)
+
+
+def running_release():
+    lines = Path("/etc/os-release").read_text(encoding="utf-8").splitlines()
+    values = dict(line.split("=", 1) for line in lines if "=" in line)
+    return values.get("VERSION_ID", "").strip('"') if values.get("ID") == "debian" else ""
+
+
+class Release:
+    def __init__(self, number):
+        self.number, self.suite = number, SUITES[number]
+        self.kept = ROOT / "build/package"
+        self.packages = self.kept / f"debian{number}"
+
+    def in_root(self, script, hooks_in, hooks_out, include=()):
+        """Runs a script in a new root of the release, with files taken in before and out after it."""
+        archives = self.kept / f"archives{self.number}"
+        archives.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
+            file.write(script)
+            file.flush()
+            words = ["mmdebstrap", "--variant=apt", "--format=null",
+                     # Packages are downloaded once.
+                     "--skip=essential/unlink,cleanup/apt/cache",
+                     '--setup-hook=mkdir -p "$1/var/cache/apt/archives"',
+                     f"--setup-hook=sync-in {archives} /var/cache/apt/archives",
+                     *[f"--customize-hook={hook}" for hook in hooks_in],
+                     f"--customize-hook=upload {file.name} /root/script.sh",
+                     '--customize-hook=chroot "$1" env HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive bash '
+                     '/root/script.sh',
+                     *[f"--customize-hook={hook}" for hook in hooks_out],
+                     f"--customize-hook=sync-out /var/cache/apt/archives {archives}",
+                     '--customize-hook=rm -f "$1"/var/cache/apt/archives/*.deb']
+            if include:
+                words.append("--include=" + ",".join(include))
+            run(*words, self.suite, "/dev/null", MIRROR)
+
+    def make(self):
+        if self.number == running_release():
+            run(ROOT / "tools/package/make-packages", self.packages)
+            return
+        packages = subprocess.run([ROOT / "tools/install-packages", "--list"], capture_output=True, text=True, check=True)
+        ccache = self.kept / f"ccache{self.number}"
+        ccache.mkdir(parents=True, exist_ok=True)
+        self.packages.mkdir(parents=True, exist_ok=True)
+        commit_time = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%ct"], capture_output=True, text=True,
+                                     check=False).stdout.strip() or "0"
+        with tempfile.NamedTemporaryFile(suffix=".tar") as sources:
+            listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+                                    capture_output=True, check=True).stdout
+            run("tar", "-C", ROOT, "-c", "--null", "-T", "-", "-f", sources.name, input=listed)
+            jobs = os.environ.get("PSFM_JOBS", "")
+            self.in_root(f"""set -eux
+export CCACHE_DIR=/ccache CCACHE_BASEDIR=/source CCACHE_NOHASHDIR=1 SOURCE_DATE_EPOCH={commit_time}
+export PSFM_JOBS={jobs or '$(nproc)'}
+cd /source && tools/package/make-packages /packages
+""", ['mkdir "$1/source" "$1/packages" "$1/ccache"', f"tar-in {sources.name} /source", f"sync-in {ccache} /ccache"],
+                         [f"sync-out /ccache {ccache}", f"sync-out /packages {self.packages}"],
+                         packages.stdout.split() + ["git", "ca-certificates"])
+
+    def package(self, name):
+        found = sorted(self.packages.glob(f"{name}_*_*.deb"), key=lambda file: file.stat().st_mtime)
+        assert found, f"no package {name} in {self.packages}"
+        return found[-1]
+
+
+def use(release, photographs, folder):
+    release.in_root(USE, [f"copy-in {release.package('psfm')} {photographs} /root"],
+                    ["sync-out /root " + str(folder)])
+    names = sorted(path.name for path in (folder / "train/0/images").iterdir())
+    assert len(names) == len(list(photographs.iterdir())), names
+    assert (folder / "train/0/sparse/0/points3D.bin").stat().st_size > 10_000
+    assert (folder / "train/0/images_2" / names[0]).exists()
+    assert '"localised": true' in (folder / "localised.json").read_text()
+    assert "--reduced" in (folder / "manual.txt").read_text().replace("\\-", "-")
+    assert (folder / "completed.txt").read_text().split() == ["export"]
+    assert (folder / "user.txt").read_text().startswith("psfm:")
+
+
+def main():
+    build, number = Path(sys.argv[1]).resolve(), sys.argv[2]
+    if shutil.which("mmdebstrap") is None:
+        print("mmdebstrap is not installed: tools/install-packages --package")
+        return SKIPPED
+    try:
+        urllib.request.urlopen(f"{MIRROR}/dists/{SUITES[number]}/Release", timeout=60).close()
+    except OSError as error:
+        print(f"{MIRROR} cannot be reached: {error}")
+        return SKIPPED
+    release = Release(number)
+    release.make()
+    if number == running_release() and shutil.which("lintian"):
+        run("lintian", "--fail-on", "error,warning", "--suppress-tags", "bogus-mail-host,bogus-mail-host-in-debian-changelog",
+            release.package("psfm"),
+            release.package("libpsfm-dev"))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run(build / "tests/synthetic/psfm-render-scene", folder / "scene", "--scene", "wall", "--images", "6", "--width",
+            "640", "--height", "480", stdout=subprocess.DEVNULL)
+        photographs = (folder / "scene/images").rename(folder / "photographs")
+        (folder / "used").mkdir()
+        use(release, photographs, folder / "used")
+        if "--dev" in sys.argv:
+            release.in_root(LINK, [f"copy-in {release.package('libpsfm-dev')} {ROOT / 'tests/consumer'} /root"], [])
+    print(f"{release.package('psfm').name}: installed, used and removed on a clean Debian {number}")
+    return 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) not in (3, 4):
+        print(__doc__)
+        sys.exit(2)
+    sys.exit(main())
