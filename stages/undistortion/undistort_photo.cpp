@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "stages/features/photographs/photo_mask.h"
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/read_photo.h"
 #include "stages/features/photographs/text.h"
@@ -39,6 +40,28 @@ bool is_written_as(PhotoFormat format, const std::string& extension) {
     return extension == ".jpg" ? format == PhotoFormat::kJpeg : format == PhotoFormat::kPng;
 }
 
+/// What is to be seen of a photograph: all, where nothing hides any of it.
+/// @param transparent  DecodedPhoto::mask
+Result<cv::Mat> visible_part(const PhotoFile& photo, const cv::Mat& transparent, cv::Size size,
+                             std::uint8_t orientation, const std::filesystem::path& folder) {
+    cv::Mat visible =
+        transparent.empty() ? cv::Mat(size, CV_8UC1, cv::Scalar(255)) : transparent.clone();
+    if (folder.empty()) return visible;
+    const auto file = find_mask(folder, photo);
+    if (!file) return visible;
+    const auto mask = read_mask(*file, size, orientation);
+    if (!mask) return Error{mask.error().code, printable(photo.name) + ": " + mask.error().message};
+    cv::bitwise_and(visible, mask->visible, visible);
+    return visible;
+}
+
+/// Half of the area counts, as at full size.
+cv::Mat reduced_mask(const cv::Mat& mask, cv::Size size) {
+    cv::Mat small;
+    cv::resize(mask, small, size, 0, 0, cv::INTER_AREA);
+    return small >= 128;
+}
+
 Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_hash,
                                 std::uint8_t orientation, const UndistortedView& view,
                                 const PictureOptions& options) {
@@ -66,9 +89,17 @@ Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_ha
     }
     const std::string extension = picture_extension(photo.name, options.format);
     const bool same = is_identity(view);
+    PictureFiles files;
+    cv::Mat mask;
+    if (options.masks) {
+        const auto visible =
+            visible_part(photo, decoded->mask, source.size(), orientation, options.mask_folder);
+        if (!visible) return visible.error();
+        mask = same ? *visible : warp_mask(*visible, view);
+        files.masks.push_back(encode(mask, ".png", options.jpeg_quality));
+    }
     const cv::Mat picture = same ? source : warp_photo(source, view);
     source.release();
-    PictureFiles files;
     if (same && orientation == 1 && is_written_as(decoded->format, extension)) {
         auto bytes = read_file_bytes(photo, std::uint64_t{options.read.max_file_mib} << 20U);
         if (!bytes) return bytes.error();
@@ -79,10 +110,12 @@ Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_ha
     for (const std::uint32_t factor : options.reductions) {
         const int divisor = static_cast<int>(factor);
         cv::Mat small;
-        cv::resize(picture, small,
-                   {std::max(1, picture.cols / divisor), std::max(1, picture.rows / divisor)}, 0, 0,
-                   cv::INTER_AREA);
+        const cv::Size size(std::max(1, picture.cols / divisor),
+                            std::max(1, picture.rows / divisor));
+        cv::resize(picture, small, size, 0, 0, cv::INTER_AREA);
         files.bytes.push_back(encode(small, extension, options.jpeg_quality));
+        if (options.masks)
+            files.masks.push_back(encode(reduced_mask(mask, size), ".png", options.jpeg_quality));
     }
     return files;
 }

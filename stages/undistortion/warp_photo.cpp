@@ -29,15 +29,14 @@ cv::Mat reduced(const cv::Mat& photo, double scale) {
     return result;
 }
 
-}  // namespace
-
-cv::Mat warp_photo(const cv::Mat& photo, const UndistortedView& view) {
+/// @param photo  of any 8-bit type, which the result has, too
+cv::Mat warp(const cv::Mat& photo, const UndistortedView& view, int interpolation) {
     const cv::Mat source = reduced(photo, scale_of(view));
     const double sx = static_cast<double>(source.cols) / photo.cols;
     const double sy = static_cast<double>(source.rows) / photo.rows;
     const auto width = static_cast<int>(view.picture.width);
     const auto height = static_cast<int>(view.picture.height);
-    cv::Mat picture(height, width, CV_8UC3);
+    cv::Mat picture(height, width, photo.type());
     cv::Mat places(kStripRows, width, CV_32FC2);
     cv::Mat blank(kStripRows, width, CV_8U);
     for (int top = 0; top < height; top += kStripRows) {
@@ -60,11 +59,21 @@ cv::Mat warp_photo(const cv::Mat& photo, const UndistortedView& view) {
         }
         cv::Mat strip = picture.rowRange(top, top + rows);
         // Half a pixel at the photograph's edge has no neighbour outside: it is its own.
-        cv::remap(source, strip, places.rowRange(0, rows), cv::noArray(), cv::INTER_CUBIC,
+        cv::remap(source, strip, places.rowRange(0, rows), cv::noArray(), interpolation,
                   cv::BORDER_REPLICATE);
         if (any_blank) strip.setTo(cv::Scalar::all(0), blank.rowRange(0, rows));
     }
     return picture;
+}
+
+}  // namespace
+
+cv::Mat warp_photo(const cv::Mat& photo, const UndistortedView& view) {
+    return warp(photo, view, cv::INTER_CUBIC);
+}
+
+cv::Mat warp_mask(const cv::Mat& visible, const UndistortedView& view) {
+    return warp(visible, view, cv::INTER_LINEAR) >= 128;
 }
 
 }  // namespace psfm

@@ -16,4 +16,8 @@ namespace psfm {
 /// Deterministic, whatever OpenCV's number of threads. Thread-safe.
 cv::Mat warp_photo(const cv::Mat& photo, const UndistortedView& view);
 
+/// The same of a photograph's mask: 0 where a pixel of the picture is hidden for the most part, and
+/// outside of the photograph, else 255. REQUIRES: visible is 8-bit, 0 or 255, of view.photo's size
+cv::Mat warp_mask(const cv::Mat& visible, const UndistortedView& view);
+
 }  // namespace psfm

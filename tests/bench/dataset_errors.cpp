@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
     }
     std::printf("%zu of %zu images, %zu of %zu points\n", after->images.size(),
                 before->images.size(), after->points.size(), before->points.size());
-    std::printf("median residual %.4f px, was %.4f px\n",
-                psfm::test::median_residual_px(*after), psfm::test::median_residual_px(*before));
+    std::printf("median residual %.4f px, was %.4f px\n", psfm::test::median_residual_px(*after),
+                psfm::test::median_residual_px(*before));
     std::printf("%zu pictures, %zu of a wrong size; longest blank part of an edge %.4f (%s)\n",
                 borders->pictures, borders->wrong_sizes, borders->longest_blank,
                 borders->blankest.c_str());

@@ -1,16 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What FLANN's approximate indices find of the matches of truly overlapping pairs, and what that takes,
-// beside comparing all descriptors and comparing in cells; on one thread.
+// What FLANN's approximate indices find of the matches of truly overlapping pairs, and what that
+// takes, beside comparing all descriptors and comparing in cells; on one thread.
 //   flann_matching DATA_SET ORDER_FILE|- CACHE STRIDE
 // Takes every STRIDE-th image. A pair overlaps truly when at least 30 matches between all features
 // lie on the epipolar geometry of the known poses.
-#include <ctime>
-#include <flann/flann.hpp>
-
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <flann/flann.hpp>
 #include <functional>
 #include <iostream>
 #include <iterator>
@@ -61,7 +60,8 @@ Neighbours two_nearest(FloatIndex& index, flann::Matrix<float> queries, int chec
     return found;
 }
 
-/// As match_descriptors(): mutual, the ratio test both ways, the limit of descriptors of length 512.
+/// As match_descriptors(): mutual, the ratio test both ways, the limit of descriptors of length
+/// 512.
 std::vector<FeatureMatch> mutual_matches(const Neighbours& in_b, const Neighbours& in_a,
                                          const MatchOptions& options) {
     const auto ratio = static_cast<float>(options.max_ratio * options.max_ratio);
@@ -183,10 +183,10 @@ int measure(const std::vector<KnownImage>& images) {
     std::printf("%-36s %12s %12s %8s %8s %8s\n", "", "an image ms", "a pair ms", "of all", "more",
                 "true");
     for (const Method& method : methods) {
-        std::printf("%-36s %12.1f %12.1f %8.3f %8.3f %8.3f\n", method.name.c_str(),
-                    method.build_ms / count,
-                    method.match_ms / static_cast<double>(std::max<std::size_t>(1, true_pairs)),
-                    method.found / matches, method.more / matches, method.true_found / true_matches);
+        std::printf(
+            "%-36s %12.1f %12.1f %8.3f %8.3f %8.3f\n", method.name.c_str(), method.build_ms / count,
+            method.match_ms / static_cast<double>(std::max<std::size_t>(1, true_pairs)),
+            method.found / matches, method.more / matches, method.true_found / true_matches);
     }
     return 0;
 }

@@ -9,11 +9,10 @@
 // largest features lie on the epipolar geometry of the known poses.
 #include <tbb/global_control.h>
 
-#include <ctime>
-#include <flann/flann.hpp>
-
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <flann/flann.hpp>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -139,8 +138,7 @@ class Measurement {
             all += nearest.size();
         }
         std::printf("%-44s %8zu %12.1f %8.1f %8.3f %8.3f\n", name.c_str(), words.rows(),
-                    training_ms / 1e3, each,
-                    static_cast<double>(exact) / static_cast<double>(all),
+                    training_ms / 1e3, each, static_cast<double>(exact) / static_cast<double>(all),
                     recall(found, words.rows(), candidates_, truth_));
         std::fflush(stdout);
     }
@@ -175,8 +173,8 @@ void add_flann_indices(const Measurement& measurement, const std::string& whose,
     };
     for (const int checks : {32, 128}) with(", 4 kd-trees", flann::KDTreeIndexParams(4), checks);
     for (const int checks : {32, 128}) {
-        with(", k-means tree",
-             flann::KMeansIndexParams(32, 8, flann::FLANN_CENTERS_RANDOM), checks);
+        with(", k-means tree", flann::KMeansIndexParams(32, 8, flann::FLANN_CENTERS_RANDOM),
+             checks);
     }
 }
 

@@ -4,12 +4,16 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <sstream>
 
+#include "stages/features/photographs/photo_mask.h"
+#include "stages/features/photographs/read_file_bytes.h"
+#include "storage/exchange/models/dataset_names.h"
 #include "tools/commands/count_line.h"
 
 namespace psfm {
@@ -55,7 +59,18 @@ std::string settings_text(const DatasetPictureOptions& options) {
          << " multiple " << options.view.multiple << " centred " << options.view.centred
          << " quality " << options.picture.jpeg_quality << " reduced";
     for (const std::uint32_t factor : options.picture.reductions) text << ' ' << factor;
+    if (options.picture.masks) text << " masks";
     return text.str();
+}
+
+/// What a picture's mask is made of, so that it is made again when that changes; 0: nothing.
+std::uint64_t mask_hash(const PictureOptions& options, const PhotoFile& photo) {
+    if (!options.masks || options.mask_folder.empty()) return 0;
+    const auto file = find_mask(options.mask_folder, photo);
+    if (!file) return 0;
+    const auto bytes =
+        read_file_bytes({*file, photo.name}, std::uint64_t{options.read.max_file_mib} << 20U);
+    return bytes ? XXH64(bytes->data(), bytes->size(), 0) : 0;
 }
 
 const Image* find_session_image(std::span<const Image> images, std::uint32_t exported_id) {
@@ -79,11 +94,12 @@ Result<std::uint32_t> view_for(const Camera& camera, std::uint8_t quarter_turns,
     return static_cast<std::uint32_t>(views.size() - 1);
 }
 
-bool all_there(const std::filesystem::path& place, const std::vector<std::string>& folders,
-               const std::string& name, std::uint64_t bytes) {
-    for (std::size_t k = 0; k < folders.size(); ++k) {
+bool all_there(const std::filesystem::path& place, const std::string& name, std::uint64_t bytes,
+               const PictureOptions& options) {
+    const auto places = picture_places(name, options);
+    for (std::size_t k = 0; k < places.size(); ++k) {
         std::error_code failure;
-        const auto size = std::filesystem::file_size(place / folders[k] / name, failure);
+        const auto size = std::filesystem::file_size(place / places[k], failure);
         if (failure || (k == 0 && size != bytes)) return false;
     }
     return true;
@@ -110,15 +126,32 @@ void drop_unused_views(PicturePlan& plan) {
 
 }  // namespace
 
-std::vector<std::string> picture_folders(std::span<const std::uint32_t> reductions) {
-    std::vector<std::string> folders{"images"};
-    for (const std::uint32_t factor : reductions)
-        folders.push_back("images_" + std::to_string(factor));
+std::vector<std::filesystem::path> picture_places(const std::string& name,
+                                                  const PictureOptions& options) {
+    std::vector<std::filesystem::path> places;
+    const std::size_t pictures = 1 + options.reductions.size();
+    const auto folders = picture_folders(options);
+    for (std::size_t k = 0; k < folders.size(); ++k)
+        places.push_back(std::filesystem::path(folders[k]) /
+                         (k < pictures ? name : mask_name(name)));
+    return places;
+}
+
+std::vector<std::string> picture_folders(const PictureOptions& options) {
+    std::vector<std::string> folders;
+    const auto add = [&](const std::string& folder) {
+        folders.push_back(folder);
+        for (const std::uint32_t factor : options.reductions)
+            folders.push_back(folder + "_" + std::to_string(factor));
+    };
+    add("images");
+    if (options.masks) add("masks");
     return folders;
 }
 
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,
                                   std::span<const std::string> names,
+                                  const std::filesystem::path& folder,
                                   const std::filesystem::path& place,
                                   const DatasetPictureOptions& options) {
     DatasetRecord before = read_dataset_record(place / kDatasetRecordName);
@@ -126,7 +159,6 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
     plan.record.settings = settings_text(options);
     const bool same_settings = before.settings == plan.record.settings;
     if (same_settings) plan.record.views = before.views;
-    const auto folders = picture_folders(options.picture.reductions);
     for (std::size_t i = 0; i < model.images.size(); ++i) {
         const ExportedImage& image = model.images[i];
         const Image* photo = find_session_image(images, image.id);
@@ -141,11 +173,13 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
         const std::string& stem = names[static_cast<std::size_t>(photo - images.data())];
         const std::string name = stem + picture_extension(photo->name, options.picture.format);
         plan.images.push_back(DatasetImage{*view, name});
-        DatasetRecord::Picture wanted{*view, photo->metadata.content_hash, orientation, 0};
+        DatasetRecord::Picture wanted{
+            *view, photo->metadata.content_hash, orientation, 0,
+            mask_hash(options.picture, {folder / photo->name, photo->name})};
         const auto made = before.pictures.find(name);
         if (same_settings && made != before.pictures.end()) {
             wanted.bytes = made->second.bytes;
-            if (made->second == wanted && all_there(place, folders, name, wanted.bytes)) {
+            if (made->second == wanted && all_there(place, name, wanted.bytes, options.picture)) {
                 plan.record.pictures.emplace(name, wanted);
                 continue;
             }
@@ -161,7 +195,6 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
                                                const std::filesystem::path& folder,
                                                const std::filesystem::path& place,
                                                const PictureOptions& options, StagedFiles& files) {
-    const auto folders = picture_folders(options.reductions);
     MemoryBudget budget;
     CountLine line(" photographs undistorted", plan.tasks.size());
     std::mutex mutex;
@@ -171,17 +204,19 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
         const PictureTask& task = plan.tasks[t];
         const DatasetImage& image = *plan.images[task.image];
         const UndistortedView& view = plan.record.views[image.view];
-        // Photograph, its bytes, its grey copy, picture and encoder.
+        // Photograph, its bytes, its grey copy, picture and encoder; the mask and its picture.
         const auto pixels = std::uint64_t{view.photo.width} * view.photo.height;
-        const MemoryBudget::Share share(budget, 9 * pixels);
+        const MemoryBudget::Share share(budget, (options.masks ? 12 : 9) * pixels);
         const auto made = undistort_photo({folder / task.photo->name, task.photo->name},
                                           task.photo->metadata.content_hash,
                                           task.photo->metadata.orientation, view, options);
         Result<void> written;
-        for (std::size_t k = 0; made && written && k < folders.size(); ++k) {
-            written = files.write(place / folders[k] / image.name, [&](OutputFile& file) {
-                file.raw(made->bytes[k].data(), made->bytes[k].size());
-            });
+        const auto places = picture_places(image.name, options);
+        for (std::size_t k = 0; made && written && k < places.size(); ++k) {
+            const std::size_t pictures = made->bytes.size();
+            const auto& bytes = k < pictures ? made->bytes[k] : made->masks[k - pictures];
+            written = files.write(place / places[k],
+                                  [&](OutputFile& file) { file.raw(bytes.data(), bytes.size()); });
         }
         const std::lock_guard lock(mutex);
         line.advance();

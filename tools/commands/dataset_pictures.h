@@ -42,15 +42,21 @@ struct PicturePlan {
 
 /// @param images  of the session, ascending by id
 /// @param names  of pictures, without extension, one for each of these
+/// @param folder  of the photographs
 /// @param place  the part's folder, where an earlier export may be
 /// @errors of make_undistorted_view()
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,
                                   std::span<const std::string> names,
+                                  const std::filesystem::path& folder,
                                   const std::filesystem::path& place,
                                   const DatasetPictureOptions& options);
 
-/// "images", "images_2", …: the folders of pictures and of their reduced copies, in their order.
-std::vector<std::string> picture_folders(std::span<const std::uint32_t> reductions);
+/// Where a picture, its reduced copies and its masks go, within a part's folder: images/NAME,
+/// images_2/NAME, …, then, if there are masks, masks/…, masks_2/….
+std::vector<std::filesystem::path> picture_places(const std::string& name,
+                                                  const PictureOptions& options);
+/// The folders of these.
+std::vector<std::string> picture_folders(const PictureOptions& options);
 
 /// Makes what the plan asks for, on all threads of the budget, within about 600 MiB. Photographs
 /// that cannot be used are taken out of the plan.

@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/export_dataset.h"
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
-#include <CLI/Validators.hpp>
 #include <algorithm>
 #include <iostream>
 #include <numeric>
 #include <set>
 
+#include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/export_models.h"
 #include "storage/exchange/models/previous_export.h"
@@ -26,8 +23,6 @@
 
 namespace psfm {
 namespace {
-
-constexpr const char* kDatasetGroup = "Of --format dataset";
 
 /// A failure, and what to blame.
 struct Failure {
@@ -48,6 +43,7 @@ struct Contents {
     Scene scene;
     std::vector<Image> images;
     std::filesystem::path photo_folder;
+    std::filesystem::path mask_folder;  ///< of `psfm run --masks`; empty: none
     std::vector<ExportedModel> models;
 };
 
@@ -63,6 +59,8 @@ Result<Contents> read_session(const SessionReader& session,
     const auto settings = session.settings();
     if (!settings) return settings.error();
     contents.photo_folder = settings->photo_folder;
+    if (const auto config = decode_config(settings->settings_json))
+        contents.mask_folder = config->masks;
     auto models = export_models(
         contents.scene, contents.images, [&](ImageId image) { return session.keypoints(image); },
         FeatureUse::kObserved);
@@ -78,11 +76,17 @@ DatasetPictureOptions picture_options(const DatasetArguments& arguments) {
     options.view.centred = !arguments.off_centre;
     options.picture.jpeg_quality = arguments.jpeg_quality;
     options.picture.reductions = arguments.reductions;
+    options.picture.masks = arguments.masks || !arguments.mask_folder.empty();
+    options.picture.mask_folder = arguments.mask_folder;
     if (arguments.image_format == "jpg") options.picture.format = PictureFormat::kJpeg;
     if (arguments.image_format == "png") options.picture.format = PictureFormat::kPng;
     for (const std::uint32_t factor : arguments.reductions)
         options.view.multiple = std::lcm(options.view.multiple, factor);
     return options;
+}
+
+bool is_picture_folder(const std::string& name) {
+    return name.starts_with("images") || name.starts_with("masks");
 }
 
 /// Files that are replaced as a whole: those of a part's folder.
@@ -91,7 +95,7 @@ bool belongs_to_parts(const std::string& path, bool one_part) {
     if (!one_part) return std::ranges::all_of(first, [](char c) { return c >= '0' && c <= '9'; });
     static const std::set<std::string> kNames{"sparse", "stereo", "transforms.json",
                                               "sparse_pc.ply", kDatasetRecordName};
-    return kNames.contains(first) || first.starts_with("images");
+    return kNames.contains(first) || is_picture_folder(first);
 }
 
 /// What an export that was killed left: pictures that had no name yet.
@@ -118,6 +122,8 @@ class DatasetExport {
         std::vector<std::string> names;
         for (const Image& image : contents.images) names.push_back(image.name);
         names_ = dataset_names(names);
+        if (options_.picture.mask_folder.empty())
+            options_.picture.mask_folder = contents.mask_folder;
         if (!arguments.images.empty())
             photos_ = arguments.images;
         else
@@ -167,14 +173,12 @@ class DatasetExport {
     std::optional<Failure> stage_part(std::size_t n) {
         const ExportedModel& model = contents_.models[n];
         const std::filesystem::path place = place_of(n);
-        auto plan = plan_pictures(model, contents_.images, names_, place, options_);
+        auto plan = plan_pictures(model, contents_.images, names_, photos_, place, options_);
         if (!plan) return of_output(plan.error());
-        const auto folders = picture_folders(options_.picture.reductions);
         for (const auto& image : plan->images) {
-            for (const std::string& folder : folders) {
-                if (!image) continue;
-                if (auto ours = claim(place / folder / image->name); !ours)
-                    return of_output(ours.error());
+            if (!image) continue;
+            for (const auto& path : picture_places(image->name, options_.picture)) {
+                if (auto ours = claim(place / path); !ours) return of_output(ours.error());
             }
         }
         std::vector<std::filesystem::path> others = dataset_model_files(place);
@@ -182,7 +186,8 @@ class DatasetExport {
         for (const auto& path : others) {
             if (auto ours = claim(path); !ours) return of_output(ours.error());
         }
-        for (const std::string& folder : folders) remove_leftovers(place / folder);
+        for (const std::string& folder : picture_folders(options_.picture))
+            remove_leftovers(place / folder);
         const std::size_t wanted = plan->tasks.size();
         auto left_out = make_pictures(*plan, photos_, place, options_.picture, files_);
         if (!left_out) return of_output(left_out.error());
@@ -192,19 +197,20 @@ class DatasetExport {
         parts_.push_back({n, &model, float_origin(model)});
         const ExportedModel undistorted =
             dataset_model(model, plan->record.views, plan->images, parts_.back().origin);
-        if (auto staged = stage_dataset(undistorted, place, files_); !staged)
+        if (auto staged = stage_dataset(undistorted, place, options_.picture.masks, files_);
+            !staged)
             return of_output(staged.error());
         records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
         // Names of those that were left out are given up again.
         std::set<std::filesystem::path> there;
         for (const auto& image : plan->images) {
-            for (const std::string& folder : folders) {
-                if (image) there.insert(place / folder / image->name);
-            }
+            if (!image) continue;
+            for (const auto& path : picture_places(image->name, options_.picture))
+                there.insert(place / path);
         }
         std::erase_if(ours_, [&](const std::filesystem::path& path) {
             const bool picture = path.parent_path().parent_path() == place &&
-                                 path.parent_path().filename().string().starts_with("images");
+                                 is_picture_folder(path.parent_path().filename().string());
             return picture && !there.contains(path);
         });
         left_out_.insert(left_out_.end(), left_out->begin(), left_out->end());
@@ -305,61 +311,6 @@ std::optional<Failure> check_parts(const Contents& contents, const std::string& 
 }
 
 }  // namespace
-
-void add_dataset_options(CLI::App& command, DatasetArguments& arguments) {
-    command
-        .add_option("--images", arguments.images,
-                    "folder of the photographs, where that is not the session's any more")
-        ->type_name("DIR")
-        ->group(kDatasetGroup);
-    command
-        .add_option("--part", arguments.part,
-                    "only this connected part (0: the largest), into the output folder itself")
-        ->type_name("N")
-        ->group(kDatasetGroup);
-    command
-        .add_option("--reduced", arguments.reductions,
-                    "also images_K, pictures reduced K times, for each K (2 4 8)")
-        ->type_name("K...")
-        ->check(CLI::Range(2U, 64U))
-        ->group(kDatasetGroup);
-    command.add_option("--max-size", arguments.max_size, "longer side of pictures at most")
-        ->type_name("PX")
-        ->check(CLI::Range(16U, 100000U))
-        ->group(kDatasetGroup);
-    command
-        .add_option("--blank-pixels", arguments.blank_pixels,
-                    "0: no black borders; 1: all of each photograph")
-        ->check(CLI::Range(0.0, 1.0))
-        ->type_name("PART")
-        ->group(kDatasetGroup);
-    command.add_option("--jpeg-quality", arguments.jpeg_quality, "of pictures (95)")
-        ->check(CLI::Range(1, 100))
-        ->type_name("Q")
-        ->group(kDatasetGroup);
-    command
-        .add_option("--image-format", arguments.image_format,
-                    "auto (PNG of a PNG, JPEG of the rest), jpg, png")
-        ->check(CLI::IsMember({"auto", "jpg", "png"}))
-        ->type_name("FORMAT")
-        ->group(kDatasetGroup);
-    command
-        .add_flag("--off-centre", arguments.off_centre,
-                  "keep all of a photograph whose principal point is off its centre, which 3DGS's "
-                  "own trainer does not know of")
-        ->group(kDatasetGroup);
-    command.add_option("--threads", arguments.threads, "threads to use (0: one a core)")
-        ->check(CLI::Range(0, 1024))
-        ->type_name("N")
-        ->group(kDatasetGroup);
-}
-
-std::optional<std::string> given_dataset_option(const CLI::App& command) {
-    for (const CLI::Option* option : command.get_options()) {
-        if (option->get_group() == kDatasetGroup && option->count() > 0) return option->get_name();
-    }
-    return std::nullopt;
-}
 
 int export_dataset(const std::string& session, const std::string& output,
                    std::optional<std::uint32_t> after_image, const DatasetArguments& arguments) {

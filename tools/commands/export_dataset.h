@@ -26,6 +26,8 @@ struct DatasetArguments {
     int jpeg_quality = 95;
     std::string image_format = "auto";
     bool off_centre = false;
+    bool masks = false;
+    std::string mask_folder;  ///< empty: the session's
     int threads = 0;
 };
 

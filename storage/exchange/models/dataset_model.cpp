@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
+
+#include "storage/exchange/models/distinct_points.h"
 
 namespace psfm {
 namespace {
@@ -61,6 +64,17 @@ ExportedModel dataset_model(const ExportedModel& model, std::span<const Undistor
         kept.position -= origin;
         result.points.push_back(std::move(kept));
     }
+    const std::vector<std::size_t> distinct =
+        distinct_points(result.points, Eigen::Vector3d::Zero());
+    std::vector<ExportedPoint> points;
+    points.reserve(distinct.size());
+    for (std::size_t p = 0; p < result.points.size(); ++p) {
+        if (points.size() < distinct.size() && distinct[points.size()] == p)
+            points.push_back(std::move(result.points[p]));
+        else
+            dropped.insert(result.points[p].id);
+    }
+    result.points = std::move(points);
     if (dropped.empty()) return result;
     for (ExportedImage& image : result.images) {
         for (ExportedKeypoint& keypoint : image.keypoints) {

@@ -21,8 +21,8 @@ struct DatasetImage {
 
 /// A model of pictures: pinhole cameras (ids are numbers of views plus one; only those in use),
 /// poses turned as the pictures are, features moved to their undistorted places, the world shifted.
-/// Images without a picture are left out, and with them points that fewer than two are left to see.
-/// Ids of images and points stay.
+/// Images without a picture are left out, and with them points that fewer than two are left to see;
+/// of points at one place, the first stays (distinct_points()). Ids of images and points stay.
 /// @param images  one for each of the model's, in its order
 /// @param origin  of the new world in the model's
 /// Deterministic. Thread-safe.

@@ -42,4 +42,8 @@ std::vector<std::string> dataset_names(std::span<const std::string> photo_names)
     return names;
 }
 
+std::string mask_name(const std::string& picture_name) {
+    return picture_name.substr(0, picture_name.rfind('.')) + ".png";
+}
+
 }  // namespace psfm

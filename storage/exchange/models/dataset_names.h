@@ -15,4 +15,8 @@ namespace psfm {
 /// @param photo_names  relative paths, in the order of arrival
 std::vector<std::string> dataset_names(std::span<const std::string> photo_names);
 
+/// The mask of a picture: of a.jpg and a.png a.png, in a folder of masks, as Brush, LichtFeld
+/// Studio and others look for it. @param picture_name  with its extension
+std::string mask_name(const std::string& picture_name);
+
 }  // namespace psfm

@@ -47,6 +47,7 @@ DatasetRecord record_of(const Json& json) {
         picture.content_hash = item.at("content_hash").get<std::uint64_t>();
         picture.orientation = item.at("orientation").get<std::uint8_t>();
         picture.bytes = item.at("bytes").get<std::uint64_t>();
+        picture.mask_hash = item.value("mask_hash", std::uint64_t{0});
         record.pictures.emplace(name, picture);
     }
     return record;
@@ -77,7 +78,8 @@ std::string dataset_record_text(const DatasetRecord& record) {
         json["pictures"][name] = Json{{"view", picture.view},
                                       {"content_hash", picture.content_hash},
                                       {"orientation", picture.orientation},
-                                      {"bytes", picture.bytes}};
+                                      {"bytes", picture.bytes},
+                                      {"mask_hash", picture.mask_hash}};
     }
     return json.dump(0, ' ', false, Json::error_handler_t::replace) + "\n";
 }

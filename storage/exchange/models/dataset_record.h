@@ -20,6 +20,7 @@ struct DatasetRecord {
         std::uint64_t content_hash = 0;  ///< of the photograph
         std::uint8_t orientation = 1;    ///< of the photograph, EXIF
         std::uint64_t bytes = 0;         ///< of the file
+        std::uint64_t mask_hash = 0;  ///< of the photograph's mask; 0: none, or no masks asked for
         bool operator==(const Picture&) const = default;
     };
     std::string settings;  ///< everything else that shapes pictures, as one line

@@ -50,7 +50,7 @@ std::vector<std::filesystem::path> dataset_model_files(const std::filesystem::pa
 }
 
 Result<void> stage_dataset(const ExportedModel& model, const std::filesystem::path& place,
-                           StagedFiles& files) {
+                           bool masks, StagedFiles& files) {
     const std::filesystem::path sparse = place / "sparse";
     if (auto written = stage_colmap_binary(model, sparse / "0", files); !written) return written;
     for (const char* name : kBinaries) {
@@ -60,7 +60,8 @@ Result<void> stage_dataset(const ExportedModel& model, const std::filesystem::pa
         stage_ply(model, sparse / "0" / "points3D", PlyContents::kPointsWithNormals, files);
     if (!written) return written;
     // Pinhole cameras are what OPENCV without distortion is, a name that all readers know.
-    written = stage_nerfstudio(model, place, "images", PlyContents::kPointsWithNormals, files);
+    written = stage_nerfstudio(model, place, "images", masks ? "masks" : "",
+                               PlyContents::kPointsWithNormals, files);
     if (!written) return written;
     return stage_stereo(model, place / "stereo", files);
 }

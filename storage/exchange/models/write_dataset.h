@@ -18,10 +18,11 @@ std::vector<std::filesystem::path> dataset_model_files(const std::filesystem::pa
 ///                                            openMVS' multi-view stereo
 ///   sparse/0/points3D.ply, sparse_pc.ply     the points, with normals of zero, as 3DGS and
 ///                                            nerfstudio read them
-///   transforms.json                          nerfstudio's, pictures by relative path
+///   transforms.json                          nerfstudio's, pictures (and masks) by relative path
 ///   stereo/{patch-match,fusion}.cfg          and the folders that COLMAP's stereo writes into
 /// @errors kInvalidArgument: a name that is no UTF-8; kNoSpace, kIo, with the path
+/// @param masks  masks/ has one of each picture
 Result<void> stage_dataset(const ExportedModel& model, const std::filesystem::path& place,
-                           StagedFiles& files);
+                           bool masks, StagedFiles& files);
 
 }  // namespace psfm

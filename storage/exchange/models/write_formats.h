@@ -44,8 +44,10 @@ Result<void> stage_bundler(const ExportedModel& model, const std::filesystem::pa
 /// PLACE/transforms.json (nerfstudio, instant-ngp) and PLACE/sparse_pc.ply. Poses are
 /// world_from_camera with OpenGL's camera axes; the world is left as it is.
 /// @param image_folder  that the images' names are in, as PLACE sees it
+/// @param mask_folder  likewise of masks (mask_name()); empty: there are none
 Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem::path& place,
-                              const std::filesystem::path& image_folder, PlyContents points,
+                              const std::filesystem::path& image_folder,
+                              const std::filesystem::path& mask_folder, PlyContents points,
                               StagedFiles& files);
 
 /// PLACE.gltf and PLACE.bin (glTF 2.0): the points as a mesh of POINTS, every image as a node with

@@ -55,7 +55,7 @@ Result<void> stage_nerfstudio_model(const ExportedModel& model, const std::files
     if (std::filesystem::is_directory(photos, ignored)) {
         if (auto linked = files.link_folder(photos, place / "images"); !linked) return linked;
     }
-    return stage_nerfstudio(model, place, "images", PlyContents::kPoints, files);
+    return stage_nerfstudio(model, place, "images", {}, PlyContents::kPoints, files);
 }
 
 Result<void> stage(const ExportedModel& model, std::size_t number, ExportFormat format,

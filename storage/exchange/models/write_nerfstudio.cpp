@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/image_positions.h"
 #include "storage/exchange/models/write_formats.h"
 
@@ -45,7 +46,8 @@ Json transform_matrix(const Rigid3& cam_from_world) {
 }  // namespace
 
 Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem::path& place,
-                              const std::filesystem::path& image_folder, PlyContents points,
+                              const std::filesystem::path& image_folder,
+                              const std::filesystem::path& mask_folder, PlyContents points,
                               StagedFiles& files) {
     Json json{{"camera_model", "OPENCV"}};
     // Per-image values are ignored where global ones exist, so these are for a single camera only.
@@ -55,6 +57,8 @@ Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem:
     json["frames"] = Json::array();
     for (const ExportedImage& image : model.images) {
         Json frame{{"file_path", (image_folder / image.name).generic_string()}};
+        if (!mask_folder.empty())
+            frame["mask_path"] = (mask_folder / mask_name(image.name)).generic_string();
         if (!one_camera) add_intrinsics(model.find_camera(image.camera_id)->camera, frame);
         frame["transform_matrix"] = transform_matrix(image.cam_from_world);
         frame["colmap_im_id"] = image.id;

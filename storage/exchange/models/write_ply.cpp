@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/exchange/models/dataset_model.h"
+#include "storage/exchange/models/distinct_points.h"
 #include "storage/exchange/models/write_formats.h"
 
 namespace psfm {
@@ -24,7 +25,8 @@ Result<void> stage_ply(const ExportedModel& model, const std::filesystem::path& 
         const bool cameras = contents == PlyContents::kPointsAndCameras;
         const bool normals = contents == PlyContents::kPointsWithNormals;
         const Eigen::Vector3d origin = float_origin(model);
-        const std::size_t vertices = model.points.size() + (cameras ? model.images.size() : 0);
+        const std::vector<std::size_t> points = distinct_points(model.points, origin);
+        const std::size_t vertices = points.size() + (cameras ? model.images.size() : 0);
         file.text("ply\nformat binary_little_endian 1.0\n");
         file.text(cameras ? "comment psfm: points, then camera centres in pure green\n"
                           : "comment psfm: points\n");
@@ -38,8 +40,10 @@ Result<void> stage_ply(const ExportedModel& model, const std::filesystem::path& 
         file.text("\nproperty float x\nproperty float y\nproperty float z\n");
         if (normals) file.text("property float nx\nproperty float ny\nproperty float nz\n");
         file.text("property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n");
-        for (const ExportedPoint& point : model.points)
+        for (const std::size_t p : points) {
+            const ExportedPoint& point = model.points[p];
             write_vertex(point.position - origin, point.rgb, normals, file);
+        }
         if (!cameras) return;
         for (const ExportedImage& image : model.images) {
             write_vertex(image.cam_from_world.target_origin_in_source() - origin, kCameraColour,

@@ -3,17 +3,14 @@
 // Data sets of ordinary photographs: as true as the model that they were made of.
 #include <gtest/gtest.h>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <cstdlib>
 #include <map>
 
 #include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/tools/commands/dataset_truth.h"
+#include "tests/tools/commands/psfm_commands.h"
 #include "tests/tools/commands/trainer_rules.h"
-#include "tools/commands/commands.h"
 
 namespace psfm {
 namespace {
@@ -27,21 +24,6 @@ class DatasetReal : public testing::TestWithParam<const char*> {
         if (datasets == nullptr) GTEST_SKIP() << "PSFM_DATASETS is not set";
         photos_ = fs::path(datasets) / GetParam() / "images";
         if (!fs::is_directory(photos_)) GTEST_SKIP() << photos_ << " is not there";
-    }
-
-    int psfm(std::vector<std::string> arguments) const {
-        CLI::App app{"psfm"};
-        app.require_subcommand(1);
-        int exit_code = 0;
-        add_run_command(app, exit_code);
-        add_export_command(app, exit_code);
-        std::ranges::reverse(arguments);
-        try {
-            app.parse(arguments);
-        } catch (const CLI::ParseError& error) {
-            exit_code = app.exit(error) == 0 ? 0 : 2;
-        }
-        return exit_code;
     }
 
     std::string place(const std::string& name) const { return (folder_.path() / name).string(); }
@@ -59,20 +41,22 @@ class DatasetReal : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(DatasetReal, IsAsTrueAsItsModel) {
-    ASSERT_EQ(psfm({"run", photos_.string(), "--session", place("session"), "--threads", "2"}), 0);
-    ASSERT_EQ(psfm({"export", "--session", place("session"), "--format", "colmap", "--output",
-                    place("model")}),
+    ASSERT_EQ(test::psfm_command(
+                  {"run", photos_.string(), "--session", place("session"), "--threads", "2"}),
               0);
-    const std::vector<std::string> dataset{
-        "export", "--session",   place("session"), "--format", "dataset",
-        "--output", place("data"), "--reduced",      "2",        "4"};
-    ASSERT_EQ(psfm(dataset), 0);
+    ASSERT_EQ(test::psfm_command({"export", "--session", place("session"), "--format", "colmap",
+                                  "--output", place("model")}),
+              0);
+    const std::vector<std::string> dataset{"export",  "--session", place("session"), "--format",
+                                           "dataset", "--output",  place("data"),    "--reduced",
+                                           "2",       "4"};
+    ASSERT_EQ(test::psfm_command(dataset), 0);
     const fs::path part = fs::path(place("data")) / "0";
     const auto before = read_colmap_model(fs::path(place("model")) / "0");
     const auto after = read_colmap_model(part / "sparse" / "0");
     ASSERT_TRUE(before && after);
     EXPECT_EQ(after->images.size(), before->images.size());
-    EXPECT_EQ(after->points.size(), before->points.size());
+    EXPECT_GT(after->points.size(), 0.9 * before->points.size());  // less those that lie on another
     EXPECT_NEAR(test::median_residual_px(*after), test::median_residual_px(*before), 0.01);
     const auto borders = test::look_at_borders(part);
     ASSERT_TRUE(borders) << borders.error().message;
@@ -88,7 +72,7 @@ TEST_P(DatasetReal, IsAsTrueAsItsModel) {
     test::expect_openmvs_opens(part);
     test::expect_colmap_stereo_opens(part);
     const auto written = times_in("data");
-    ASSERT_EQ(psfm(dataset), 0);
+    ASSERT_EQ(test::psfm_command(dataset), 0);
     EXPECT_EQ(times_in("data"), written) << "a second run has nothing to write";
 }
 

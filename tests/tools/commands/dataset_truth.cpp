@@ -58,10 +58,9 @@ Result<BorderReport> look_at_borders(const std::filesystem::path& dataset) {
         if (picture.cols != static_cast<int>(camera.width) ||
             picture.rows != static_cast<int>(camera.height))
             ++report.wrong_sizes;
-        const double blank = std::max({longest_blank_of(picture.row(0)),
-                                       longest_blank_of(picture.row(picture.rows - 1)),
-                                       longest_blank_of(picture.col(0)),
-                                       longest_blank_of(picture.col(picture.cols - 1))});
+        const double blank = std::max(
+            {longest_blank_of(picture.row(0)), longest_blank_of(picture.row(picture.rows - 1)),
+             longest_blank_of(picture.col(0)), longest_blank_of(picture.col(picture.cols - 1))});
         if (report.blankest.empty() || blank > report.longest_blank) {
             report.longest_blank = blank;
             report.blankest = image.name;

@@ -18,8 +18,8 @@ double median_residual_px(const ExportedModel& model);
 struct BorderReport {
     std::size_t pictures = 0;
     std::size_t wrong_sizes = 0;  ///< pictures that are not as large as their camera says
-    /// Longest run of pixels at 0, 0, 0 along an edge, as a part of the edge: what is blank is blank
-    /// from a corner on, or along a whole edge.
+    /// Longest run of pixels at 0, 0, 0 along an edge, as a part of the edge: what is blank is
+    /// blank from a corner on, or along a whole edge.
     double longest_blank = 0.0;
     std::string blankest;  ///< the picture that has it
 };

@@ -8,6 +8,7 @@
 #include <CLI/Formatter.hpp>
 #include <cstdlib>
 #include <map>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "storage/exchange/models/read_colmap.h"
@@ -145,6 +146,52 @@ TEST_F(ExportDataset, EveryReaderOpensIt) {
         test::expect_openmvs_opens(place(part));
         test::expect_colmap_stereo_opens(place(part));
     }
+}
+
+// Masks lie on the photographs' stored grid, or upright; here one hides what is left of the middle
+// of a photograph that has to be turned, and one a quarter of one that lies in a sub-folder.
+TEST_F(ExportDataset, MasksGoWherePicturesGo) {
+    fs::create_directories(place("masks/a"));
+    const test::BlobPhoto& six = session_.photos()[6];
+    const Camera camera = session_.cameras().at(six.camera);
+    cv::Mat half(static_cast<int>(camera.height), static_cast<int>(camera.width), CV_8UC1,
+                 cv::Scalar(255));
+    half.colRange(0, half.cols / 2).setTo(0);
+    cv::imwrite(place("masks/six_mask.png").string(), half);
+    cv::Mat quarter(300, 400, CV_8UC1, cv::Scalar(255));
+    quarter(cv::Rect(0, 0, 200, 150)).setTo(0);
+    cv::imwrite(place("masks/a/photo.jpg.png").string(), quarter);
+    const std::vector<std::string> options{"--mask-folder", place("masks").string(), "--reduced",
+                                           "2"};
+    ASSERT_EQ(export_to("data", options).exit_code, 0);
+    const auto mask_of = [&](const std::string& name) {
+        return cv::imread((place("data/0/masks") / name).string(), cv::IMREAD_GRAYSCALE);
+    };
+    const auto visible = [](const cv::Mat& mask) {
+        return cv::countNonZero(mask) / static_cast<double>(mask.total());
+    };
+    // Its left side is up now: 6 means that the first column is at the top.
+    const cv::Mat turned = mask_of("six.png");
+    ASSERT_FALSE(turned.empty());
+    EXPECT_EQ(cv::countNonZero(turned.rowRange(0, turned.rows / 2 - 4)), 0);
+    const cv::Mat lower = turned.rowRange(turned.rows / 2 + 4, turned.rows);
+    EXPECT_EQ(cv::countNonZero(lower), static_cast<int>(lower.total()));
+    EXPECT_NEAR(visible(mask_of("a_photo.png")), 0.75, 0.03);
+    EXPECT_EQ(visible(mask_of("seven.png")), 1.0);
+    test::expect_nerfstudio_opens(place("data/0"), {1, 2});
+    test::expect_brush_opens(place("data/0"));
+    // Nothing is written twice; a mask that is another one makes its picture's anew, and only that.
+    const auto before = state_of("data");
+    ASSERT_EQ(export_to("data", options).exit_code, 0);
+    EXPECT_EQ(state_of("data"), before);
+    cv::imwrite(place("masks/seven.png").string(), quarter);
+    EXPECT_NE(export_to("data", options).output.find("1 picture written"), std::string::npos);
+    EXPECT_NEAR(visible(mask_of("seven.png")), 0.75, 0.03);
+    // Without them they go.
+    ASSERT_EQ(export_to("data").exit_code, 0);
+    EXPECT_FALSE(fs::exists(place("data/0/masks/six.png")));
+    EXPECT_EQ(test::file_bytes(place("data/0/transforms.json")).find("mask_path"),
+              std::string::npos);
 }
 
 TEST_F(ExportDataset, ColmapItselfReadsIt) {

@@ -137,13 +137,20 @@ void expect_nerfstudio_opens(const fs::path& dataset, const std::vector<int>& fa
         }
         for (const char* name : {"k1", "k2", "p1", "p2"})
             EXPECT_EQ(value_of(transforms, frame, name), 0.0);
-        EXPECT_FALSE(frame.contains("mask_path"));
+        // Of all frames or of none; a picture's mask is as large as it is, at every factor.
+        EXPECT_EQ(frame.contains("mask_path"), transforms["frames"][0].contains("mask_path"));
         for (const int factor : factors) {
             const std::string folder =
                 factor > 1 ? "images_" + std::to_string(factor) : std::string("images");
             const cv::Mat picture = picture_at(dataset / folder / path.filename());
             EXPECT_EQ(picture.cols, std::floor(value_of(transforms, frame, "w") / factor));
             EXPECT_EQ(picture.rows, std::floor(value_of(transforms, frame, "h") / factor));
+            if (!frame.contains("mask_path")) continue;
+            const fs::path mask = frame["mask_path"].get<std::string>();
+            const std::string masks =
+                factor > 1 ? "masks_" + std::to_string(factor) : std::string("masks");
+            EXPECT_EQ(mask.parent_path(), "masks");
+            EXPECT_EQ(picture_at(dataset / masks / mask.filename()).size(), picture.size());
         }
     }
 }

@@ -40,12 +40,11 @@ gzip -dc /usr/share/man/man1/psfm-export.1.gz > manual.txt
 bash -c 'source /usr/share/bash-completion/completions/psfm
          COMP_WORDS=(psfm exp); COMP_CWORD=1; _psfm; echo "${COMPREPLY[@]}"' > completed.txt
 getent passwd psfm > user.txt
+su -s /bin/sh psfm -c 'psfm serve --session /var/lib/psfm/session --add-user Ada --role owner' >> user.txt
 test -f /usr/lib/systemd/system/psfm.service
 apt-get remove --yes psfm
-! command -v psfm
+test ! -e /usr/bin/psfm
 """
-USED = "train gltf localised.json model.html report.html manual.txt completed.txt user.txt"
-
 LINK = r"""
 set -eux
 cd /root
@@ -135,7 +134,8 @@ def use(release, photographs, folder):
     assert '"localised": true' in (folder / "localised.json").read_text()
     assert "--reduced" in (folder / "manual.txt").read_text().replace("\\-", "-")
     assert (folder / "completed.txt").read_text().split() == ["export"]
-    assert (folder / "user.txt").read_text().startswith("psfm:")
+    user = (folder / "user.txt").read_text(encoding="utf-8")
+    assert user.startswith("psfm:") and "#token=" in user, user
 
 
 def main():

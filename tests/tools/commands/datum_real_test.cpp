@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Photographs of a street in Lund, the first of which says that it was taken in Sydney.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <exiv2/exiv2.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "tests/storage/exchange/example_model.h"
+#include "tests/tools/commands/psfm_commands.h"
+
+namespace psfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+void say_sydney(const fs::path& photo) {
+    const auto image = Exiv2::ImageFactory::open(photo.string());
+    image->readMetadata();
+    Exiv2::ExifData& exif = image->exifData();
+    exif["Exif.GPSInfo.GPSLatitudeRef"] = "S";
+    exif["Exif.GPSInfo.GPSLatitude"] = "33/1 52/1 10/1";
+    exif["Exif.GPSInfo.GPSLongitudeRef"] = "E";
+    exif["Exif.GPSInfo.GPSLongitude"] = "151/1 12/1 30/1";
+    image->writeMetadata();
+}
+
+struct Ply {
+    std::size_t vertices = 0;
+    std::size_t distinct = 0;
+    float largest = 0.F;  ///< coordinate
+};
+
+/// Of three floats and three bytes a vertex.
+Ply read_ply(const fs::path& path) {
+    const std::string bytes = test::file_bytes(path);
+    const std::size_t begin = bytes.find("end_header\n") + std::strlen("end_header\n");
+    Ply ply;
+    ply.vertices = std::stoul(bytes.substr(bytes.find("element vertex ") + 15));
+    constexpr std::size_t kVertex = 3 * sizeof(float) + 3;
+    EXPECT_EQ(bytes.size(), begin + ply.vertices * kVertex);
+    std::set<std::array<float, 3>> positions;
+    for (std::size_t v = 0; v < ply.vertices; ++v) {
+        std::array<float, 3> position{};
+        std::memcpy(position.data(), bytes.data() + begin + v * kVertex, sizeof(position));
+        positions.insert(position);
+        for (const float value : position) ply.largest = std::max(ply.largest, std::abs(value));
+    }
+    ply.distinct = positions.size();
+    return ply;
+}
+
+TEST(DatumReal, OneWrongFixDoesNotCarryTheFrameAway) {
+    const char* datasets = std::getenv("PSFM_DATASETS");
+    if (datasets == nullptr) GTEST_SKIP() << "PSFM_DATASETS is not set";
+    const fs::path lund = fs::path(datasets) / "lund" / "images";
+    if (!fs::is_directory(lund)) GTEST_SKIP() << lund << " is not there";
+    const test::TemporaryFolder folder;
+    const fs::path photos = folder.path() / "photos";
+    fs::create_directories(photos);
+    for (int number = 5; number <= 16; ++number) {
+        const std::string name = (number < 10 ? "0" : "") + std::to_string(number) + ".jpg";
+        fs::copy_file(lund / name, photos / name);
+    }
+    say_sydney(photos / "05.jpg");
+    const std::string session = (folder.path() / "session").string();
+    ASSERT_EQ(test::psfm_command(
+                  {"run", photos.string(), "--session", session, "--deterministic", "--threads", "2"}),
+              0);
+    const fs::path output = folder.path() / "ply";
+    testing::internal::CaptureStderr();
+    const int code = test::psfm_command({"export", "--session", session, "--format", "ply",
+                                         "--points-only", "--output", output.string()});
+    const std::string said = testing::internal::GetCapturedStderr();
+    ASSERT_EQ(code, 0) << said;
+    EXPECT_NE(said.find("1 position is more than a kilometre"), std::string::npos) << said;
+    EXPECT_NE(said.find("05.jpg"), std::string::npos) << said;
+    const auto json = nlohmann::json::parse(test::file_bytes(output / "georeference.json"));
+    EXPECT_NEAR(json["datum"]["latitude_deg"].get<double>(), 55.70, 0.02);
+    EXPECT_NEAR(json["datum"]["longitude_deg"].get<double>(), 13.19, 0.02);
+    EXPECT_EQ(json["parts"][0]["images"].size(), 12U);
+    EXPECT_EQ(json["parts"][0]["agreeing"], 11);
+    EXPECT_LT(json["parts"][0]["median_m"].get<double>(), 5.0);
+    const Ply ply = read_ply(output / "0.ply");
+    EXPECT_GT(ply.vertices, 1000U);
+    EXPECT_EQ(ply.distinct, ply.vertices);
+    EXPECT_LT(ply.largest, 2000.F);
+}
+
+}  // namespace
+}  // namespace psfm

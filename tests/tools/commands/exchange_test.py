@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 the psfm authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What others have, taken over and gone on with; photographs localised. Usage: exchange_test.py BUILD [TEST …]"""
+import hashlib
+import json
+import shutil
+import signal
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+BUILD = Path()
+BAD_INPUT = 3
+IMAGES = 12
+
+
+def files_of(folder):
+    """Every file with its content."""
+    return {path.relative_to(folder): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def names_in(model):
+    """Ids and names of images.bin."""
+    data = (model / "images.bin").read_bytes()
+    (count,), at, found = struct.unpack_from("<Q", data), 8, {}
+    for _ in range(count):
+        (image,) = struct.unpack_from("<I", data, at)
+        end = data.index(b"\0", at + 64)
+        found[image] = data[at + 64:end].decode()
+        (features,) = struct.unpack_from("<Q", data, end + 1)
+        at = end + 9 + 24 * features
+    return found
+
+
+def colours_in(ply):
+    """Red, green and blue of all points."""
+    data = ply.read_bytes()
+    begin = data.index(b"end_header\n") + len(b"end_header\n")
+    return [data[at + 12:at + 15] for at in range(begin, len(data), 15)]
+
+
+class Exchange(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.shared = Path(folder.name)
+        subprocess.run([BUILD / "tests/synthetic/psfm-render-scene", cls.shared / "wall", "--scene", "wall", "--images",
+                        str(IMAGES), "--width", "480", "--height", "360"], check=True, stdout=subprocess.DEVNULL)
+        cls.names = sorted(path.name for path in (cls.shared / "wall/images").iterdir())
+        # Every other photograph is the session of the others' program; the rest come later.
+        cls.photos(cls.shared / "half", cls.names[::2])
+        cls.ends(0, "run", cls.shared / "half", "--session", cls.shared / "session", "--deterministic")
+        cls.ends(0, "export", "--session", cls.shared / "session", "--format", "colmap", "--output", cls.shared / "model")
+        cls.ends(0, "export", "--session", cls.shared / "session", "--format", "colmap-database", "--output",
+                 cls.shared / "db")
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.session = self.folder / "session"
+
+    @classmethod
+    def photos(cls, folder, names):
+        folder.mkdir(exist_ok=True)
+        for name in names:
+            shutil.copy(cls.shared / "wall/images" / name, folder / name)
+        return folder
+
+    @staticmethod
+    def ends(code, *words):
+        """Runs psfm; it has to end with that exit code. @return what it said"""
+        done = subprocess.run([BUILD / "psfm", *map(str, words)], capture_output=True, text=True, check=False)
+        assert done.returncode == code, f"{words}: {done.returncode}\n{done.stdout}{done.stderr}"
+        return done.stdout + done.stderr
+
+    def status(self):
+        return json.loads(self.ends(0, "status", "--session", self.session, "--json"))
+
+    def database(self, *statements):
+        """A copy of the database, changed."""
+        file = self.folder / "changed.db"
+        shutil.copy(self.shared / "db/database.db", file)
+        with sqlite3.connect(file) as connection:
+            for statement in statements:
+                connection.execute(*statement)
+        connection.close()
+        return file
+
+    def outlier_cameras(self):
+        said = self.ends(0, "evaluate", "--reference", self.shared / "wall/gt", "--session", self.session, "--json")
+        return json.loads(said)["models"][0]["outliers"]
+
+    def test_a_model_is_gone_on_with(self):
+        photos = self.photos(self.folder / "photos", self.names[::2])
+        said = self.ends(0, "import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images",
+                         photos, "--colmap-database", self.shared / "db/database.db")
+        self.assertIn(f"taken over: {IMAGES // 2} images", said)
+        before = names_in(self.shared / "model/0")
+        self.photos(photos, self.names)
+        self.ends(0, "run", photos, "--session", self.session)
+        self.assertEqual(self.status()["placed"], IMAGES)
+        self.assertEqual(self.outlier_cameras(), 0)
+        self.ends(0, "export", "--session", self.session, "--format", "colmap", "--output", self.folder / "again")
+        after = names_in(self.folder / "again/0")
+        self.assertEqual(len(after), IMAGES)
+        self.assertEqual({image: after[image] for image in before}, before)
+
+    def test_without_its_database_features_come_from_the_photographs(self):
+        photos = self.photos(self.folder / "photos", self.names)
+        self.ends(0, "import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images", photos)
+        self.assertEqual(self.status()["placed"], IMAGES)
+        self.assertEqual(self.outlier_cameras(), 0)
+
+    def test_a_database_whose_matcher_has_not_run_says_so(self):
+        file = self.database(("DELETE FROM two_view_geometries",))
+        said = self.ends(BAD_INPUT, "import", "--session", self.session, "--colmap-database", file)
+        self.assertIn("its matcher has not run", said)
+        self.assertIn(str(file), said)
+        self.assertFalse(self.session.exists())
+
+    def test_descriptors_of_others_are_passed_over(self):
+        # ALIKED's, as COLMAP 4 stores them: 128 floats.
+        file = self.database(("UPDATE descriptors SET cols = 512, data = zeroblob(rows * 512)",))
+        self.ends(0, "import", "--session", self.session, "--colmap-database", file)
+        self.assertEqual(self.status()["placed"], IMAGES // 2)
+
+    def test_photographs_give_an_import_its_colours(self):
+        colours = {}
+        for given in (False, True):
+            session = self.folder / f"session{given}"
+            images = ["--images", self.shared / "half"] if given else []
+            self.ends(0, "import", "--session", session, "--colmap-database", self.shared / "db/database.db", *images)
+            self.ends(0, "export", "--session", session, "--format", "ply", "--points-only", "--output",
+                      self.folder / f"ply{given}")
+            colours[given] = set(colours_in(self.folder / f"ply{given}/0.ply"))
+        self.assertEqual(len(colours[False]), 1)
+        self.assertGreater(len(colours[True]), 100)
+        # ... and exports that need them find them.
+        self.ends(0, "export", "--session", self.folder / "sessionTrue", "--format", "dataset", "--output",
+                  self.folder / "data")
+        self.assertEqual(len(list((self.folder / "data/0/images").iterdir())), IMAGES // 2)
+
+    def localised(self, session, *photos):
+        said = self.ends(0, "localise", "--session", session, *photos, "--json")
+        return json.loads(said[said.index("{"):])["photos"]
+
+    def test_localising_changes_nothing(self):
+        before = files_of(self.shared / "session")
+        others = [self.shared / "wall/images" / name for name in self.names[1:-1:2]]
+        blank = self.folder / "blank.pgm"
+        blank.write_bytes(b"P5 320 240 255\n" + bytes(320 * 240))
+        found = self.localised(self.shared / "session", *others, blank)
+        self.assertEqual(files_of(self.shared / "session"), before)
+        self.assertEqual([photo["localised"] for photo in found], [True] * len(others) + [False])
+        self.assertNotEqual(found[-1]["reason"], "")
+        for photo, number in zip(found, range(1, IMAGES - 1, 2)):
+            self.assertGreater(photo["inliers"], 50)
+            self.assertEqual([len(row) for row in photo["covariance"]], [6] * 6)
+            # It sees its neighbours on the walk.
+            self.assertIn(photo["images"][0]["name"], (self.names[number - 1], self.names[number + 1]))
+
+    def test_localising_works_beside_a_writer(self):
+        photos = self.photos(self.folder / "photos", self.names[::2])
+        with subprocess.Popen([BUILD / "psfm", "run", photos, "--session", self.session, "--watch"],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as writer:
+            try:
+                deadline = time.monotonic() + 120
+                placed = 0
+                while placed < IMAGES // 2 and time.monotonic() < deadline:
+                    time.sleep(0.5)
+                    if (self.session / "db").exists() or any(self.session.glob("*")):
+                        done = subprocess.run([BUILD / "psfm", "status", "--session", self.session, "--json"],
+                                              capture_output=True, text=True, check=False)
+                        placed = json.loads(done.stdout)["placed"] if done.returncode == 0 else 0
+                self.assertEqual(placed, IMAGES // 2)
+                found = self.localised(self.session, self.shared / "wall/images" / self.names[3])
+                self.assertIsNone(writer.poll())
+            finally:
+                writer.send_signal(signal.SIGINT)
+        self.assertTrue(found[0]["localised"])
+        self.assertEqual(writer.returncode, 0)
+
+
+if __name__ == "__main__":
+    BUILD = Path(sys.argv.pop(1)).resolve()
+    unittest.main()
