@@ -68,8 +68,8 @@ TEST(DatumReal, OneWrongFixDoesNotCarryTheFrameAway) {
     }
     say_sydney(photos / "05.jpg");
     const std::string session = (folder.path() / "session").string();
-    ASSERT_EQ(test::psfm_command(
-                  {"run", photos.string(), "--session", session, "--deterministic", "--threads", "2"}),
+    ASSERT_EQ(test::psfm_command({"run", photos.string(), "--session", session, "--deterministic",
+                                  "--threads", "2"}),
               0);
     const fs::path output = folder.path() / "ply";
     testing::internal::CaptureStderr();
