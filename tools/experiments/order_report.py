@@ -129,13 +129,13 @@ def _whole(settings):
         return ""
     words = [f"{name} {', '.join(given)}" for name, given in chosen.items()]
     words += [f"the first {settings.images} images of each order"] if settings.images else []
-    return f"**A part of the table only:** {'; '.join(words)}.\n"
+    return paragraph(f"**A part of the table only:** {'; '.join(words)}.")
 
 
 def write_order_page(settings, experiment, scenes):
     modes = [mode for mode in settings.modes or MODES if any(of == mode for scene in scenes for _, of in scene.cells)]
     done = [cell.result for scene in scenes for cell in scene.cells.values() if cell.result]
-    parts = [f"# {experiment.title}\n", paragraph(experiment.about), _whole(settings), in_short(scenes, modes) + "\n",
+    parts = [f"# {experiment.title}\n", paragraph(experiment.about), _whole(settings), paragraph(in_short(scenes, modes)),
              provenance(settings, done) if done else "", "## How sessions end\n", paragraph(READING)]
     for mode in modes:
         parts.append(f"### In {mode} mode\n")

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
 """docs/experiments/README.md: what is measured, how to repeat it, and the pages that exist."""
+import re
+
 from scenes import EXPERIMENTS
 
 TEXT = """\
@@ -62,8 +64,8 @@ up to N images only.
 
 
 def _line_of(page):
-    return next((line.removeprefix("In short: ") for line in page.read_text().splitlines()
-                 if line.startswith("In short: ")), "")
+    found = re.search(r"^In short: (.*?)\n(?:\n|$)", page.read_text(), re.M | re.S)
+    return " ".join(found[1].split()) if found else ""
 
 
 def write_overview(output):
