@@ -38,7 +38,7 @@ using ByImage = std::map<ImageId, std::vector<Correspondence>>;
 Result<ByImage> match_images(const LocalisationMap& map, const ExtractedPhoto& photo,
                              const std::vector<LocalisationMap::Vote>& images,
                              const MapDescriptors& descriptors, const LocaliseOptions& options) {
-    const PackedDescriptors packed = pack(photo.descriptors);
+    const PreparedDescriptors prepared = prepare(photo.descriptors, options.cells);
     std::vector<Result<std::vector<Correspondence>>> found(images.size(),
                                                            std::vector<Correspondence>{});
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t k) {
@@ -49,7 +49,11 @@ Result<ByImage> match_images(const LocalisationMap& map, const ExtractedPhoto& p
             return;
         }
         std::vector<Correspondence> correspondences;
-        for (const FeatureMatch& match : match_descriptors(**theirs, packed, options.match)) {
+        // The photograph is what is divided: once, for all of them.
+        const auto matches = psfm::match_images(**theirs, photo.descriptors, prepared, true,
+                                                options.match, options.cells);
+        if (!matches) return;  // hopeless
+        for (const FeatureMatch& match : *matches) {
             if (const auto point = map.point_of(image, match.first))
                 correspondences.push_back({match.second, *point, image});
         }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "graph/result.h"
+#include "stages/algorithms/matching/descriptor_cells.h"
 #include "stages/algorithms/pose/absolute_pose.h"
 #include "stages/features/run_features.h"
 #include "stages/localisation/localisation_map.h"
@@ -21,12 +22,14 @@ struct LocaliseOptions {
     /// Features that vote for images, spread over all scales. Raised: slower; lowered: photographs
     /// of much detail are not recognised. Ours, tuned on quad-streams (docs/exports.md).
     std::size_t voting_features = 512;
-    /// Images of most votes that are matched in full. Raised: slower, about 10 ms each; lowered:
+    /// Images of most votes that are matched. Raised: slower, about 10 ms each; lowered:
     /// where look-alikes have most votes the right ones are missed. Ours, as above.
     std::size_t images = 20;
     /// Matches with an image below which it says nothing. As VerifyOptions::min_inliers.
     std::size_t min_matches = 10;
     MatchOptions match;
+    /// As of verification: a seventh of the comparisons, and nearly all matches.
+    CellOptions cells;
     /// Images with most matches whose surroundings are tried by themselves. Raised: slower, a pose
     /// each; lowered: where look-alikes have most matches the right ones are missed. Ours.
     std::size_t surroundings = 5;
