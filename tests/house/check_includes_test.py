@@ -67,6 +67,12 @@ class CheckIncludes(unittest.TestCase):
         self.write("tools/test", "if; then\n", "#!/usr/bin/env bash\n" + head)
         self.assertEqual(self.run_check()[0], 0)
 
+    def test_the_top_level_is_agreed(self):
+        for allowed in ("README.md", ".clang-format", "build/psfm"):
+            self.write(allowed, "", head="")
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found("psfm", "", "no place at the top level", head="")
+
     def test_graph_includes_nobody(self):
         self.assert_found("graph/a.cpp", '#include "storage/store.h"\n', "may not include storage/")
 
