@@ -54,8 +54,7 @@ std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
     // Behind the similar ones, and above 0, which would say that nothing was compared.
     const float highest = asked > 0 ? candidates.back().score : 1.F;
     const float first = std::max(others.front().score, 1e-6F);
-    for (ScoredImage& other : others)
-        other.score = highest * std::max(other.score / first, 1e-3F);
+    for (ScoredImage& other : others) other.score = highest * std::max(other.score / first, 1e-3F);
     candidates.insert(candidates.end(), others.begin(), others.end());
     return candidates;
 }

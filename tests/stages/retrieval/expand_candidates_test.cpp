@@ -31,7 +31,7 @@ ViewGraph two_places() {
     return graph;
 }
 
-const std::vector<ScoredImage> kSimilar{{0, 0.9F}, {1, 0.8F}, {2, 0.3F},
+const std::vector<ScoredImage> kSimilar{{0, 0.9F}, {1, 0.8F},  {2, 0.3F},
                                         {3, 0.2F}, {4, 0.15F}, {5, 0.1F}};
 
 std::vector<std::uint32_t> images_of(const std::vector<ScoredImage>& candidates) {
