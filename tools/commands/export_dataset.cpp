@@ -241,7 +241,8 @@ class DatasetExport {
         for (const auto& [name, text] : geo_files(reference, parts_, known)) {
             const std::filesystem::path path = output_ / name;
             if (auto ours = claim(path); !ours) return of_output(ours.error());
-            auto staged = files_.write(path, [&](OutputFile& file) { file.text(text); });
+            auto staged =
+                files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
             if (!staged) return of_output(staged.error());
         }
         if (reference)
@@ -271,7 +272,8 @@ class DatasetExport {
         if (auto done = list.commit(); !done) return of_output(done.error());
         // Records come last: a picture counts as made once all are in their places.
         for (const auto& [path, text] : records_) {
-            auto staged = files_.write(path, [&](OutputFile& file) { file.text(text); });
+            auto staged =
+                files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
             if (!staged) return of_output(staged.error());
         }
         if (auto done = files_.commit(); !done) return of_output(done.error());

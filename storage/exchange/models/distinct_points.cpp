@@ -20,8 +20,8 @@ std::vector<std::size_t> distinct_points(std::span<const ExportedPoint> points,
                           p});
     }
     std::ranges::sort(places);  // of one place, the lowest number first
-    const auto rest = std::ranges::unique(places, {}, &decltype(places)::value_type::first);
-    places.erase(rest.begin(), rest.end());
+    const auto is_one = [](const auto& a, const auto& b) { return a.first == b.first; };
+    places.erase(std::unique(places.begin(), places.end(), is_one), places.end());
     std::vector<std::size_t> numbers;
     numbers.reserve(places.size());
     for (const auto& [place, number] : places) numbers.push_back(number);
