@@ -120,6 +120,7 @@ class DatasetExport {
           output_(std::move(output)),
           previous_(std::move(previous)) {
         std::vector<std::string> names;
+        names.reserve(contents.images.size());
         for (const Image& image : contents.images) names.push_back(image.name);
         names_ = dataset_names(names);
         if (options_.picture.mask_folder.empty())
