@@ -131,6 +131,7 @@ std::vector<std::filesystem::path> picture_places(const std::string& name,
     std::vector<std::filesystem::path> places;
     const std::size_t pictures = 1 + options.reductions.size();
     const auto folders = picture_folders(options);
+    places.reserve(folders.size());
     for (std::size_t k = 0; k < folders.size(); ++k)
         places.push_back(std::filesystem::path(folders[k]) /
                          (k < pictures ? name : mask_name(name)));

@@ -89,6 +89,7 @@ Eigen::Vector3d float_origin(const ExportedModel& model) {
     constexpr double kFar = 100.0;
     if (model.images.empty()) return Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> centres;
+    centres.reserve(model.images.size());
     for (const ExportedImage& image : model.images) {
         centres.push_back(image.cam_from_world.target_origin_in_source());
     }
@@ -97,6 +98,7 @@ Eigen::Vector3d float_origin(const ExportedModel& model) {
     Eigen::Vector3d high;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
+        values.reserve(centres.size());
         for (const Eigen::Vector3d& centre : centres) values.push_back(centre[axis]);
         std::ranges::sort(values);
         middle[axis] = values[values.size() / 2];
