@@ -118,6 +118,7 @@ std::vector<std::pair<std::uint32_t, std::vector<const std::vector<Correspondenc
         ordered.emplace_back(image, &list);
     }
     std::vector<std::pair<std::uint32_t, std::vector<const std::vector<Correspondence>*>>> sets;
+    sets.reserve(parts.size());
     for (auto& [part, lists] : parts) sets.emplace_back(part, lists);
     std::ranges::stable_sort(ordered, std::ranges::greater{},
                              [](const auto& entry) { return entry.second->size(); });
