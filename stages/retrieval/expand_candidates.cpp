@@ -3,6 +3,7 @@
 #include "stages/retrieval/expand_candidates.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 
@@ -32,8 +33,11 @@ Scores vouch(std::span<const ScoredImage> similar, const ViewGraph& view_graph) 
 }  // namespace
 
 std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
-                                           const ViewGraph& view_graph, std::size_t count,
-                                           std::size_t vouched) {
+                                           const ViewGraph& view_graph,
+                                           const RetrievalOptions& options) {
+    const std::size_t count = options.candidates;
+    const auto vouched =
+        static_cast<std::size_t>(std::lround(options.vouched_part * static_cast<double>(count)));
     similar = similar.first(std::min(similar.size(), count));
     const std::size_t asked = std::min(similar.size(), count - std::min(count, vouched));
     if (asked == similar.size()) return {similar.begin(), similar.end()};

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "graph/view_graph.h"
 #include "stages/retrieval/inverted_file.h"
+#include "stages/retrieval/retrieval_options.h"
 
 namespace psfm {
 
@@ -18,13 +18,12 @@ namespace psfm {
 /// by features (ours; docs/retrieval.md).
 /// @param similar  of InvertedFile::most_similar, descending by score
 /// @param view_graph  images are numbered as the index has them; may be without some
-/// @param count  images that are wanted
-/// @param vouched  so many of them at most are those that others vouch for
-/// @return at most `count`: similar ones first, then the others, each descending by score, then
+/// @return at most options.candidates, of them options.vouched_part at most that others vouch for:
+/// similar ones first, then the others, each descending by score, then
 /// ascending by image; scores of the others are below those of the first
 /// Deterministic. Cost: O(edges of the similar images). Thread-safe.
 std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
-                                           const ViewGraph& view_graph, std::size_t count,
-                                           std::size_t vouched);
+                                           const ViewGraph& view_graph,
+                                           const RetrievalOptions& options);
 
 }  // namespace psfm

@@ -3,7 +3,6 @@
 #include "stages/retrieval/run_retrieval.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -75,12 +74,10 @@ std::vector<RetrievalCandidate> most_similar(const InvertedFile& index,
                                              std::span<const std::uint32_t> words,
                                              const RetrievalOptions& options,
                                              const ViewGraph& view_graph) {
-    const auto vouched = static_cast<std::size_t>(
-        std::lround(options.vouched_part * static_cast<double>(options.candidates)));
     std::vector<RetrievalCandidate> candidates;
     for (const ScoredImage& found :
          expand_candidates(index.most_similar(words, options.candidates, options.max_postings),
-                           view_graph, options.candidates, vouched)) {
+                           view_graph, options)) {
         candidates.push_back({ImageId{found.image}, found.score});
     }
     std::sort(candidates.begin(), candidates.end(),

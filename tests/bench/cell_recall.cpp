@@ -122,6 +122,6 @@ int main(int argc, char** argv) {
         options.rows_per_cell = std::max(1UL, std::strtoul(argv[5], nullptr, 10));
         options.max_excess = std::strtod(argv[6], nullptr);
     }
-    return psfm::bench::measure(argv[1], order == "-" ? "" : order, argv[3],
+    return psfm::bench::measure(argv[1], order, argv[3],
                                 std::max(1UL, std::strtoul(argv[4], nullptr, 10)), options);
 }

@@ -199,10 +199,8 @@ int main(int argc, char** argv) {
         std::cerr << "usage: flann_matching DATA_SET ORDER_FILE|- CACHE STRIDE\n";
         return 2;
     }
-    const std::string order = argv[2];
     const auto images = psfm::bench::load_known_images(
-        argv[1], order == "-" ? "" : order, argv[3],
-        std::max<std::size_t>(1, std::strtoul(argv[4], nullptr, 10)));
+        argv[1], argv[2], argv[3], std::max<std::size_t>(1, std::strtoul(argv[4], nullptr, 10)));
     if (!images) {
         std::cerr << images.error().message << '\n';
         return 1;

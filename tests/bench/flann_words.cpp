@@ -219,10 +219,8 @@ int main(int argc, char** argv) {
         return 2;
     }
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-    const std::string order = argv[2];
     const auto images = psfm::bench::load_known_images(
-        argv[1], order == "-" ? "" : order, argv[3],
-        std::max<std::size_t>(1, std::strtoul(argv[4], nullptr, 10)));
+        argv[1], argv[2], argv[3], std::max<std::size_t>(1, std::strtoul(argv[4], nullptr, 10)));
     if (!images) {
         std::cerr << images.error().message << '\n';
         return 1;

@@ -151,5 +151,5 @@ int main(int argc, char** argv) {
         *field->second = std::strtoull(argument.c_str() + equals + 1, nullptr, 10);
     }
     const std::string order = argv[2];
-    return psfm::bench::measure(argv[1], order == "-" ? "" : order, argv[3], options);
+    return psfm::bench::measure(argv[1], order, argv[3], options);
 }

@@ -54,6 +54,7 @@ Result<std::vector<KnownImage>> load_known_images(const std::filesystem::path& d
                                                   const std::filesystem::path& order_file,
                                                   const std::filesystem::path& cache,
                                                   std::size_t stride) {
+    const bool by_name = order_file.empty() || order_file == "-";
     std::filesystem::create_directories(cache);
     const auto model = read_colmap_model(data_set / "gt", {.keypoints = false, .points = false});
     if (!model) return model.error();
@@ -63,9 +64,9 @@ Result<std::vector<KnownImage>> load_known_images(const std::filesystem::path& d
     std::vector<std::string> order;
     for (const PhotoFile& photo : listing->photos) {
         photos[photo.name] = photo;
-        if (order_file.empty()) order.push_back(photo.name);
+        if (by_name) order.push_back(photo.name);
     }
-    if (!order_file.empty()) {
+    if (!by_name) {
         std::ifstream lines(order_file);
         for (std::string line; std::getline(lines, line);) order.push_back(line);
     }

@@ -26,8 +26,8 @@ struct KnownImage {
 };
 
 /// All images of a data set that has known poses, in the order of `order_file` (one name a line),
-/// or by name when it is empty; with a stride only every so many of them. Features are extracted
-/// once and kept in `cache`.
+/// or by name when it is empty or "-"; with a stride only every so many of them. Features are
+/// extracted once and kept in `cache`.
 Result<std::vector<KnownImage>> load_known_images(const std::filesystem::path& data_set,
                                                   const std::filesystem::path& order_file,
                                                   const std::filesystem::path& cache,

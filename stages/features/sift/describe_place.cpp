@@ -46,7 +46,7 @@ int reach_to_describe(const SiftOptions& options) {
     return descriptor_radius(largest_sigma(options)) + 3;
 }
 
-void PlaceDescriber::Gradients::resize(std::size_t samples) {
+void PlaceDescriber::Gradients::make_room(std::size_t samples) {
     for (std::vector<float>* values : {&dx, &dy, &weight, &angle, &length, &row_bin, &column_bin})
         if (values->size() < samples) values->resize(samples);
 }
@@ -68,7 +68,7 @@ std::span<const float> PlaceDescriber::orientations(const OctaveStrip& strip,
     const int radius = static_cast<int>(std::lround(kOrientationRadius * place.sigma));
     const float window = kOrientationSigma * place.sigma;
     const float factor = -0.5F / (window * window);
-    gradients_.resize(area_of(radius));
+    gradients_.make_room(area_of(radius));
     std::size_t count = 0;
     for (int i = -radius; i <= radius; ++i) {
         const int y = centre_y + i;
@@ -167,7 +167,7 @@ void PlaceDescriber::collect(const cv::Mat& image, const Window& window, int rad
     const int middle_x = static_cast<int>(std::lround(window.centre_x));
     const int middle_y = static_cast<int>(std::lround(window.centre_y));
     const int last_y = std::min(image.rows - 2, middle_y + radius);
-    gradients_.resize(area_of(radius));
+    gradients_.make_room(area_of(radius));
     std::size_t count = 0;
     for (int y = std::max(1, middle_y - radius); y <= last_y; ++y) {
         const float dy = static_cast<float>(y) - window.centre_y;

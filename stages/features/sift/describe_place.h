@@ -34,7 +34,7 @@ class PlaceDescriber {
     struct Gradients {
         std::vector<float> dx, dy, weight, angle, length, row_bin, column_bin;  // at least `count`
         std::size_t count = 0;
-        void resize(std::size_t samples);
+        void make_room(std::size_t samples);
         void find_polar();
     };
     struct Window;

@@ -34,6 +34,13 @@ ViewGraph two_places() {
 const std::vector<ScoredImage> kSimilar{{0, 0.9F}, {1, 0.8F},  {2, 0.3F},
                                         {3, 0.2F}, {4, 0.15F}, {5, 0.1F}};
 
+RetrievalOptions options_of(std::size_t candidates, std::size_t vouched) {
+    RetrievalOptions options;
+    options.candidates = candidates;
+    options.vouched_part = static_cast<double>(vouched) / static_cast<double>(candidates);
+    return options;
+}
+
 std::vector<std::uint32_t> images_of(const std::vector<ScoredImage>& candidates) {
     std::vector<std::uint32_t> images;
     for (const ScoredImage& candidate : candidates) images.push_back(candidate.image);
@@ -41,14 +48,14 @@ std::vector<std::uint32_t> images_of(const std::vector<ScoredImage>& candidates)
 }
 
 TEST(ExpandCandidates, NeighboursOfTheMostSimilarFollowThem) {
-    const auto found = expand_candidates(kSimilar, two_places(), 6, 4);
+    const auto found = expand_candidates(kSimilar, two_places(), options_of(6, 4));
     // 10: 0.8 * 0.1 + 0.7; 11: 0.8; 12: 0.7; of the similar ones 2 with 0.2 is the best; the last
     // of them vouches for nobody.
     EXPECT_EQ(images_of(found), (std::vector<std::uint32_t>{0, 1, 11, 10, 12, 2}));
 }
 
 TEST(ExpandCandidates, ScoresFallAndSayThatAllWereCompared) {
-    const auto found = expand_candidates(kSimilar, two_places(), 6, 4);
+    const auto found = expand_candidates(kSimilar, two_places(), options_of(6, 4));
     for (std::size_t i = 0; i + 1 < found.size(); ++i)
         EXPECT_GE(found[i].score, found[i + 1].score) << i;
     EXPECT_GT(found.back().score, 0.F);
@@ -57,24 +64,24 @@ TEST(ExpandCandidates, ScoresFallAndSayThatAllWereCompared) {
 
 TEST(ExpandCandidates, WithoutEdgesTheyAreTheMostSimilar) {
     for (const ViewGraph& graph : {ViewGraph(), without_edges()})
-        EXPECT_EQ(images_of(expand_candidates(kSimilar, graph, 5, 3)),
+        EXPECT_EQ(images_of(expand_candidates(kSimilar, graph, options_of(5, 3))),
                   (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
 }
 
 TEST(ExpandCandidates, WeakEdgesVouchForNobody) {
     ViewGraph graph = without_edges();
     graph.add_edge(ImageId{0}, ImageId{10}, 0.0);
-    EXPECT_EQ(images_of(expand_candidates(kSimilar, graph, 4, 2)),
+    EXPECT_EQ(images_of(expand_candidates(kSimilar, graph, options_of(4, 2))),
               (std::vector<std::uint32_t>{0, 1, 2, 3}));
 }
 
 TEST(ExpandCandidates, AsManyAsAskedForAreVouchedFor) {
-    EXPECT_EQ(images_of(expand_candidates(kSimilar, two_places(), 6, 0)),
+    EXPECT_EQ(images_of(expand_candidates(kSimilar, two_places(), options_of(6, 0))),
               (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
-    EXPECT_EQ(images_of(expand_candidates(kSimilar, two_places(), 6, 1)),
+    EXPECT_EQ(images_of(expand_candidates(kSimilar, two_places(), options_of(6, 1))),
               (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 11}));
-    EXPECT_EQ(expand_candidates(kSimilar, two_places(), 3, 9).size(), 3U);
-    EXPECT_TRUE(expand_candidates({}, two_places(), 3, 2).empty());
+    EXPECT_EQ(expand_candidates(kSimilar, two_places(), options_of(3, 3)).size(), 3U);
+    EXPECT_TRUE(expand_candidates({}, two_places(), options_of(3, 2)).empty());
 }
 
 }  // namespace

@@ -49,6 +49,20 @@ TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
     EXPECT_LT(error.max_rotation_deg, 0.1);
 }
 
+TEST(SolveCluster, AFirstModelSettlesOnlyOnceNoPhotographFollows) {
+    const SyntheticScene scene = noisy_ring(6, 1);
+    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
+    SolveOptions options;
+    options.growth.max_rounds = 1;
+    options.settling.max_rounds = 4;
+    options.settling.max_change = 0.0;  // none of these is the last because little changed
+    const auto growing = solve_cluster(problem, options);
+    problem.concluding = true;
+    const auto concluding = solve_cluster(problem, options);
+    ASSERT_TRUE(growing.ok() && concluding.ok());
+    EXPECT_EQ(growing->statistics.full_adjustments + 3, concluding->statistics.full_adjustments);
+}
+
 TEST(SolveCluster, RefinesFocalLengthAndDistortion) {
     const SyntheticScene scene = noisy_ring(12, 2);
     const auto guessed = synthetic::guessed_cameras(scene, 0.05, FocalSource::kExif, 3);
