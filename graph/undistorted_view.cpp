@@ -171,13 +171,13 @@ Result<UndistortedView> make_undistorted_view(const Camera& photo, std::uint8_t 
         quarter_turns > 3) {
         return Error{ErrorCode::kInvalidArgument, "blank_pixels is 0 to 1, multiple at least 1"};
     }
-    if (auto valid = validate(photo); !valid) return valid.error();
+    if (auto valid = validate(photo); !valid.ok()) return valid.error();
     const Windows windows = windows_of(photo);
     const bool inside = options.blank_pixels == 0.0;
     Window wanted = between(windows.inner, windows.outer, options.blank_pixels);
     if (options.centred) wanted = centred(wanted);
     const auto window = available_part(photo, wanted, inside);
-    if (!window) return window.error();
+    if (!window.ok()) return window.error();
 
     double scale = 1.0;
     const double width = (window->right - window->left) * photo.fx();

@@ -59,7 +59,7 @@ Result<void> Committer::reject(const ExtractedMessage& message, const std::strin
         rejected.file_size = stamp->size;
         rejected.file_time = stamp->modified_ns;
     }
-    if (const auto stored = store_->commit_rejected(rejected); !stored.ok()) return stored;
+    if (const auto stored = store_->commit_rejected(rejected); !stored.ok()) return stored.error();
     state_.rejected.insert(message.file.name);
     tell_of_photo(SessionEvent::Kind::kRejected, message.file.name, reason);
     ++images_released_;
@@ -149,7 +149,7 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     if (const auto stored = store_->commit_image(image, accepted->camera, photo.keypoints,
                                                  photo.descriptors, source);
         !stored.ok())
-        return stored;
+        return stored.error();
 
     state_.images.push_back(image);
     state_.sources.push_back(std::move(source));
@@ -231,16 +231,16 @@ Result<void> Committer::advance(CommitOutput& output) {
         std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
     const bool ended = photos_expected_ == photos_seen_;
     const bool hold = config_.batch && !(ended && all_verified);
-    if (const auto settled = go_on_settling(output); !settled.ok()) return settled;
+    if (const auto settled = go_on_settling(output); !settled.ok()) return settled.error();
     if (!hold) {
         const auto started = start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
-        if (!started.ok()) return started;
+        if (!started.ok()) return started.error();
     }
     // Settling begins once everything is published, so that what it starts from does not depend on
     // timing; what an earlier process was settling ends as one version, as it would have there.
     const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
-        if (const auto concluded = conclude(output); !concluded.ok()) return concluded;
+        if (const auto concluded = conclude(output); !concluded.ok()) return concluded.error();
     }
     const bool quiet = all_verified && !state_.clusters.busy();
     const bool due = changed_ && !merging_ && !hold && time_for_version(quiet);

@@ -26,7 +26,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     if (!edit.ok()) return edit.error();
     if (const auto done = store_->commit_pairs(image, pairs, edit->changed, edit->removed);
         !done.ok())
-        return done;
+        return done.error();
     store_->give_up_cache(bytes_of(pairs));
     PendingImage& pending = state_.pending[index_of(image)];
     pending.verified = true;
@@ -40,7 +40,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
 
 Result<StoredEdit> Committer::separate(const ClusterProblem& problem,
                                        const Result<ClusterSolution>& solution) {
-    if (!solution.ok()) return StoredEdit{};
+    if (!solution.ok()) return StoredEdit{};  // Expected: on_solved tells of what failed
     std::vector<ImageId> images;
     images.reserve(solution->model->images.size());
     for (const RegisteredImage& image : solution->model->images) images.push_back(image.image);

@@ -38,7 +38,7 @@ Result<void> Committer::meet_twin(const ExtractedMessage& message, ImageId twin)
     SourcedImage moved{image, source};
     moved.image.name = name;
     moved.source.file = file_of(message.file, *message.stamp);
-    if (const auto stored = store_->commit_files({moved}); !stored.ok()) return stored;
+    if (const auto stored = store_->commit_files({moved}); !stored.ok()) return stored.error();
     tell_of_photo(SessionEvent::Kind::kRemark, name,
                   image.name + " was moved or renamed, and is " + name + " now");
     state_.names.erase(image.name);

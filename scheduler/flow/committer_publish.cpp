@@ -60,7 +60,8 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     stored_version.effective_clusters = scene->effective_clusters;
     stored_version.summary_json = encode_summary(
         {state_.counts, waiting_images(state_), state_.past_events, weak_models(state_)});
-    if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok()) return done;
+    if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok())
+        return done.error();
     state_.constraints = merged.constraints;
     state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
                               merged.set_aside.end());

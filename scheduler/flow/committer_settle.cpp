@@ -41,7 +41,7 @@ Result<void> Committer::go_on_settling(CommitOutput& output) {
         to_settle_.pop_front();
         if (entry == nullptr) continue;
         if (const auto started = start_solves({entry}, /*settle=*/true, output); !started.ok())
-            return started;
+            return started.error();
         ++settling_;
     }
     return {};

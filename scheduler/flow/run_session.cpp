@@ -188,6 +188,7 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     run.usage = times.usage();
     run.usage.threads = threads;
     run.weak = weak_models(committer.state());
+    run.remarks = std::move(restored->remarks);
     for (const auto& [image, reason] : waiting_images(committer.state())) {
         run.waiting.emplace_back(committer.state().images[index_of(image)].name, reason);
     }

@@ -55,9 +55,10 @@ struct SessionRun {
     bool interrupted = false;  ///< `stop` was set before everything was done
     SessionCounts counts;
     std::vector<std::pair<std::string, WaitReason>>
-        waiting;                  ///< names of images in no model, with the reason
-    std::vector<WeakModel> weak;  ///< models that are not to be trusted far
-    GraphUsage usage;             ///< what the nodes of the flow graph did
+        waiting;                       ///< names of images in no model, with the reason
+    std::vector<WeakModel> weak;       ///< models that are not to be trusted far
+    GraphUsage usage;                  ///< what the nodes of the flow graph did
+    std::vector<std::string> remarks;  ///< RestoredSession::remarks
 };
 
 /// Takes a session through the flow graph (docs/architecture.md) until the source ends and

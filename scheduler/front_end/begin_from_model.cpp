@@ -73,9 +73,9 @@ std::uint64_t hash_of(const std::string& name, const Keypoints& keypoints) {
 Result<ExtractedPhoto> from_database(const ExportedImage& image, const ColmapDatabase& database,
                                      std::uint32_t database_id) {
     auto keypoints = database.keypoints(database_id);
-    if (!keypoints) return keypoints.error();
+    if (!keypoints.ok()) return keypoints.error();
     auto descriptors = database.descriptors(database_id);
-    if (!descriptors) return descriptors.error();
+    if (!descriptors.ok()) return descriptors.error();
     constexpr double kRounding = 0.01;  // Guard: [px], of programs that write text
     bool same = keypoints->size() == image.keypoints.size();
     for (std::size_t k = 0; same && k < keypoints->size(); ++k) {
@@ -108,7 +108,7 @@ Result<ExtractedPhoto> features_of(const ImageSource& source, const ForeignModel
     ExtractedPhoto features;
     if (source.database_id) {
         auto read = from_database(image, *foreign.database, *source.database_id);
-        if (!read) return read.error();
+        if (!read.ok()) return read.error();
         features = *std::move(read);
     } else {
         features.keypoints = places_of(image);
@@ -118,12 +118,12 @@ Result<ExtractedPhoto> features_of(const ImageSource& source, const ForeignModel
     features.metadata.content_hash = hash_of(image.name, features.keypoints);
     if (!has_photo) return features;
     if (!features.descriptors.values.empty()) {
-        if (auto added = add_photograph(photo, options, features); !added) return added.error();
+        if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
         return features;
     }
     auto found = run_features(photo, options);
-    if (!found) return found.error();
-    if (auto added = add_photograph(photo, options, features); !added) return added.error();
+    if (!found.ok()) return found.error();
+    if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
     AdoptedFeatures adopted =
         adopt_features(features.keypoints, found->keypoints, found->descriptors);
     features.keypoints = std::move(adopted.keypoints);
@@ -190,12 +190,12 @@ class Import {
 
     Result<BegunSession> run(const std::function<void()>& progress) {
         begun_.images = foreign_.model.images.size();
-        if (auto done = take_images(progress); !done) return done.error();
+        if (auto done = take_images(progress); !done.ok()) return done.error();
         auto model = reconstruction_of(foreign_.model, numbers_);
-        if (!model) return model.error();
+        if (!model.ok()) return model.error();
         begun_.points = (*model)->points.size();
-        if (auto done = take_pairs(**model); !done) return done.error();
-        if (auto done = take_model(*model); !done) return done.error();
+        if (auto done = take_pairs(**model); !done.ok()) return done.error();
+        if (auto done = take_model(*model); !done.ok()) return done.error();
         return begun_;
     }
 
@@ -253,7 +253,7 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
             Camera camera = *sources[k].camera;
             camera.focal_source = FocalSource::kGiven;
             auto done = store_.commit_image(image, camera, photo.keypoints, photo.descriptors);
-            if (!done) return done;
+            if (!done.ok()) return done.error();
             if (sources[k].database_id) of_database_id_[*sources[k].database_id] = image.id;
             images_.push_back({image.id, camera, image.metadata.content_hash,
                                std::make_shared<const Keypoints>(std::move(photo.keypoints)),
@@ -268,7 +268,7 @@ Result<MatchesByPair> Import::matches_of_database() {
     MatchesByPair matches;
     for (const auto& [database_id, image] : of_database_id_) {
         auto partners = foreign_.database->matches(database_id);
-        if (!partners) return partners.error();
+        if (!partners.ok()) return partners.error();
         for (DatabaseMatches& partner : *partners) {
             const auto other = of_database_id_.find(partner.other);
             if (other == of_database_id_.end() || image > other->second) continue;
@@ -282,7 +282,7 @@ Result<std::map<ImagePair, VerifiedPairPtr>> Import::verified_pairs(const Recons
     auto matches = foreign_.database != nullptr && foreign_.database->verified_pairs() > 0
                        ? matches_of_database()
                        : Result<MatchesByPair>(matches_by_points(model));
-    if (!matches) return matches.error();
+    if (!matches.ok()) return matches.error();
     const auto& verify = options_.verification.verify;
     std::erase_if(*matches, [&](const auto& pair) {
         return pair.second.size() < static_cast<std::size_t>(verify.min_inliers);
@@ -297,7 +297,7 @@ Result<std::map<ImagePair, VerifiedPairPtr>> Import::verified_pairs(const Recons
         const auto& [pair, found] = tasks[t];
         auto geometry = verify_images(images_[index_of(pair.first)], images_[index_of(pair.second)],
                                       *found, verify, seed_);
-        if (geometry) {
+        if (geometry.ok()) {  // Expected: a pair whose matches hold no geometry is none
             verified[t] =
                 std::make_shared<const VerifiedPair>(VerifiedPair{pair, *std::move(geometry)});
         }
@@ -311,7 +311,7 @@ Result<std::map<ImagePair, VerifiedPairPtr>> Import::verified_pairs(const Recons
 
 Result<void> Import::take_pairs(const Reconstruction& model) {
     const auto pairs = verified_pairs(model);
-    if (!pairs) return pairs.error();
+    if (!pairs.ok()) return pairs.error();
     begun_.pairs = pairs->size();
     std::vector<std::vector<VerifiedPairPtr>> of_image(images_.size());
     for (const auto& [pair, verified] : *pairs) of_image[index_of(pair.second)].push_back(verified);
@@ -341,7 +341,7 @@ Result<void> Import::take_pairs(const Reconstruction& model) {
         auto done = store_.commit_pairs(
             ImageId{i}, of_image[i],
             last ? std::vector<StoredCluster>{whole} : std::vector<StoredCluster>{}, {});
-        if (!done) return done;
+        if (!done.ok()) return done.error();
     }
     return {};
 }
@@ -359,7 +359,7 @@ Result<void> Import::take_model(const std::shared_ptr<const Reconstruction>& mod
     solution.model = model;
     // Nothing is adjusted before something new has come along.
     solution.state_json = encode_solve_state({state, /*settled=*/true});
-    if (auto done = store_.commit_solution(solution, whole, {}); !done) return done;
+    if (auto done = store_.commit_solution(solution, whole, {}); !done.ok()) return done.error();
 
     StoredSceneVersion version;
     version.version = 1;
@@ -373,7 +373,7 @@ Result<void> Import::take_model(const std::shared_ptr<const Reconstruction>& mod
     summary.counts.effective_clusters = 1;
     summary.counts.version = 1;
     version.summary_json = encode_summary(summary);
-    if (auto done = store_.commit_scene(version, {}); !done) return done;
+    if (auto done = store_.commit_scene(version, {}); !done.ok()) return done.error();
     if (clusters_.size() == 1) return {};
     StoredEdit split;
     split.changed.assign(clusters_.begin() + 1, clusters_.end());
@@ -392,7 +392,7 @@ Result<BegunSession> begin_from_model(SessionStore& store, const ForeignModel& f
                                       const SessionConfig& config,
                                       const std::function<void()>& progress) {
     const auto options = stage_options(config);
-    if (!options) return options.error();
+    if (!options.ok()) return options.error();
     Import import(store, foreign, *options, config.seed);
     return import.run(progress);
 }

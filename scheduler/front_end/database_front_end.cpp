@@ -59,7 +59,8 @@ class DatabaseFrontEnd final : public FrontEnd {
         extracted.descriptors = *std::move(descriptors);
         const PhotoFile file{photo_folder_ / photo.name, photo.name};
         if (photo_folder_.empty() || !std::filesystem::exists(file.path)) return extracted;
-        if (auto added = add_photograph(file, features_, extracted); !added) return added.error();
+        if (auto added = add_photograph(file, features_, extracted); !added.ok())
+            return added.error();
         return extracted;
     }
 
@@ -140,6 +141,7 @@ class DatabaseFrontEnd final : public FrontEnd {
             from_earlier.push_back({match.second, match.first});
         std::ranges::sort(from_earlier);
         auto geometry = verify_images(other, image, from_earlier, options_, seed_);
+        // Expected: a pair whose matches hold no geometry is none
         if (!geometry.ok()) return VerifiedPairPtr{};
         return std::make_shared<const VerifiedPair>(
             VerifiedPair{{earlier.id, image.id}, *std::move(geometry)});

@@ -43,7 +43,7 @@ class SalvageFrontEnd final : public FrontEnd {
         const auto before = salvaged_id(image.image.id);
         const auto known = before ? salvage_.session->pairs_of(*before)
                                   : Result<std::vector<VerifiedPairPtr>>(Error{});
-        if (!known.ok()) {
+        if (!known.ok()) {  // Expected: damaged, or of an image that was not there
             ++salvage_.pair_lists_verified;
             return inner_->verify(image, candidates);
         }
@@ -59,7 +59,7 @@ class SalvageFrontEnd final : public FrontEnd {
         std::vector<VerifiedPairPtr> pairs;
         if (!unknown.empty()) {
             auto verified = inner_->verify(image, unknown);
-            if (!verified.ok()) return verified;
+            if (!verified.ok()) return verified.error();
             pairs = *std::move(verified);
         }
         ++(unknown.empty() ? salvage_.pair_lists_taken_over : salvage_.pair_lists_verified);
@@ -80,6 +80,7 @@ class SalvageFrontEnd final : public FrontEnd {
         if (found == by_name_.end()) return std::nullopt;
         const auto keypoints = salvage_.session->keypoints(found->second->id);
         const auto descriptors = salvage_.session->descriptors(found->second->id);
+        // Expected: what is damaged is extracted anew
         if (!keypoints.ok() || !descriptors.ok()) return std::nullopt;
         return ExtractedPhoto{found->second->metadata, **keypoints, **descriptors};
     }

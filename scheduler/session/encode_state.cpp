@@ -46,34 +46,34 @@ std::string encode_solve_state(const StoredSolveState& state) {
         .dump();
 }
 
-StoredSolveState decode_solve_state(const std::string& text) {
-    const json object = json::parse(text, nullptr, false);
-    StoredSolveState state;
-    if (!object.is_object()) return state;
-    const auto count = [&](const char* name, std::uint32_t& field) {
-        if (const auto found = object.find(name);
-            found != object.end() && found->is_number_unsigned())
-            field = found->get<std::uint32_t>();
-    };
-    const auto flag = [&](const char* name, bool& field) {
-        if (const auto found = object.find(name); found != object.end() && found->is_boolean())
-            field = found->get<bool>();
-    };
-    count("images_at_full_adjustment", state.state.images_at_full_adjustment);
-    count("images_at_contradiction", state.state.images_at_contradiction);
-    count("images_at_start", state.state.images_at_start);
-    count("images_at_places", state.state.images_at_places);
-    count("images_at_ties", state.state.images_at_ties);
-    count("images_when_reconsidered", state.state.images_when_reconsidered);
-    count("weaknesses", state.state.weaknesses.bits);
-    if (const auto angle = object.find("tolerated_contradiction_deg");
-        angle != object.end() && angle->is_number()) {
-        state.state.tolerated_contradiction_deg = angle->get<double>();
+Result<StoredSolveState> decode_solve_state(const std::string& text) {
+    StoredSolveState stored;
+    if (text.empty()) return stored;
+    SolveState& state = stored.state;
+    try {
+        const json object = json::parse(text);
+        const auto count = [&](const char* name, std::uint32_t& field) {
+            field = whole_number_or<std::uint32_t>(object, name, 0);
+        };
+        // null is how JSON writes an angle that is no number.
+        const json angle = object.value("tolerated_contradiction_deg", json());
+        if (!angle.is_null()) angle.get_to(state.tolerated_contradiction_deg);
+        count("images_at_full_adjustment", state.images_at_full_adjustment);
+        count("images_at_contradiction", state.images_at_contradiction);
+        count("images_at_start", state.images_at_start);
+        count("images_at_places", state.images_at_places);
+        count("images_at_ties", state.images_at_ties);
+        count("images_when_reconsidered", state.images_when_reconsidered);
+        count("weaknesses", state.weaknesses.bits);
+        state.new_start_is_due = object.value("new_start_is_due", false);
+        state.has_strangers = object.value("has_strangers", false);
+        stored.settled = object.value("settled", false);
+    } catch (const json::exception& exception) {
+        return Error{
+            ErrorCode::kDamaged,
+            std::string("what the next solve starts from is damaged: ") + exception.what()};
     }
-    flag("new_start_is_due", state.state.new_start_is_due);
-    flag("has_strangers", state.state.has_strangers);
-    flag("settled", state.settled);
-    return state;
+    return stored;
 }
 
 std::string encode_summary(const SceneSummary& summary) {

@@ -20,9 +20,10 @@ struct StoredSolveState {
     bool settled = false;
 };
 std::string encode_solve_state(const StoredSolveState& state);
-/// Unknown or missing fields take their defaults: a full adjustment comes early then, nothing is
-/// lost.
-StoredSolveState decode_solve_state(const std::string& json);
+/// Fields that are missing, as in sessions of earlier programs, take their defaults, and so does an
+/// empty text: a full adjustment comes early then, nothing is lost. Unknown ones are left alone.
+/// @errors kDamaged (no JSON object, or a field that holds something else)
+Result<StoredSolveState> decode_solve_state(const std::string& json);
 
 /// Counts and waiting images of a published version, for `status`.
 struct SceneSummary {

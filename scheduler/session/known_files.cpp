@@ -28,6 +28,7 @@ fs::path spelled(const fs::path& path) {
 
 std::optional<std::uint64_t> hash_of(const PhotoFile& photo) {
     const auto hash = content_hash_of(photo, std::uint64_t{ReadPhotoOptions{}.max_file_mib} << 20U);
+    // Expected: a file that cannot be read is none that is known; taking it in says why
     return hash.ok() ? std::optional(*hash) : std::nullopt;
 }
 

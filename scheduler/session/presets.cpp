@@ -30,7 +30,7 @@ std::optional<std::map<std::string, double>> preset_options(std::string_view nam
         const std::string setting = without_blanks(line);
         if (setting.empty()) continue;
         const auto parsed = parse_setting(setting);
-        if (!parsed.ok()) return std::nullopt;  // a test reads all of them
+        if (!parsed.ok()) return std::nullopt;  // Expected: never; a test reads all of them
         values.insert(*parsed);
     }
     return values;

@@ -89,13 +89,25 @@ Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionO
     return {};
 }
 
+/// What the next solve recycles beside the model of a cluster. Where that is damaged the model is
+/// good without it, and is adjusted early; people are told.
+StoredSolveState solve_state_of(const StoredCluster& stored, const StoredSolution& solution,
+                                std::vector<std::string>& remarks) {
+    auto state = decode_solve_state(solution.state_json);
+    if (state.ok()) return *state;
+    remarks.push_back("cluster " + std::to_string(index_of(stored.id)) + ": " +
+                      state.error().message + "; its model is kept, and adjusted anew");
+    return {};
+}
+
 /// What the next solve of a cluster starts from. @param entry  without models
 Result<void> restore_models(const SessionReader& store, const StoredCluster& stored,
-                            const StageOptions& options, ClusterEntry& entry) {
+                            const StageOptions& options, std::vector<std::string>& remarks,
+                            ClusterEntry& entry) {
     auto solution = store.solution(stored.id);
     if (!solution.ok()) return solution.error();
     if (solution->has_value() && options.solve.policy.makes_model(entry.members.size())) {
-        const StoredSolveState solve_state = decode_solve_state((*solution)->state_json);
+        const StoredSolveState solve_state = solve_state_of(stored, **solution, remarks);
         entry.model = (*solution)->model;
         entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
         if (!entry.model->empty()) {
@@ -127,7 +139,8 @@ ClusterEntry without_models(const StoredCluster& stored) {
 }
 
 Result<void> restore_clusters(const SessionReader& store, const StageOptions& options,
-                              SessionState& state) {
+                              RestoredSession& restored) {
+    SessionState& state = restored.state;
     const auto clusters = store.clusters();
     if (!clusters.ok()) return clusters.error();
     std::vector<ClusterMembers> members;
@@ -152,8 +165,8 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     // One model after the other: those of clusters that rest do not stay in memory.
     for (const StoredCluster& stored : *clusters) {
         ClusterEntry models = without_models(stored);
-        const auto done = restore_models(store, stored, options, models);
-        if (!done.ok()) return done;
+        const auto done = restore_models(store, stored, options, restored.remarks, models);
+        if (!done.ok()) return done.error();
         state.clusters.restore_models(std::move(models));
     }
     return {};
@@ -178,7 +191,7 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
     if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
     if (const auto done = restore_view_graph(store, options.edges, restored.state); !done.ok())
         return done.error();
-    if (const auto done = restore_clusters(store, options, restored.state); !done.ok())
+    if (const auto done = restore_clusters(store, options, restored); !done.ok())
         return done.error();
     auto scene = store.scene_poses();
     if (!scene.ok()) return scene.error();

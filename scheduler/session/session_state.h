@@ -83,6 +83,7 @@ struct RestoredSession {
     SessionState state;
     std::vector<AcceptedImagePtr> unverified;  ///< ascending by id
     std::vector<RejectedPhoto> rejected;
+    std::vector<std::string> remarks = {};  ///< what was damaged, and is begun anew; for people
 };
 /// @errors those of the store
 Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,

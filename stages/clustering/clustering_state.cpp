@@ -63,7 +63,7 @@ std::vector<ClusterMembers> clusters_of(const ClusteringState& state) {
 Result<ClusteringState> restore_clustering(const ViewGraph& graph,
                                            std::span<const ClusterMembers> clusters,
                                            ClusterId next_id, const ClusteringOptions& options) {
-    if (auto valid = validate(options); !valid) return valid.error();
+    if (auto valid = validate(options); !valid.ok()) return valid.error();
     ClusteringState state;
     state.next_id = next_id;
     state.cluster_of.assign(graph.size(), next_id);

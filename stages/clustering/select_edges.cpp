@@ -56,7 +56,7 @@ Result<void> validate(const EdgeSelectionOptions& options) {
     if (options.min_inliers < 1) return invalid("min_inliers is 0; give at least 1");
     if (!(options.min_relative_plausibility >= 0.0 && options.min_relative_plausibility <= 1.0))
         return invalid("min_relative_plausibility is not between 0 and 1");
-    if (const auto valid = validate(options.still); !valid) return valid;
+    if (const auto valid = validate(options.still); !valid.ok()) return valid.error();
     return validate(options.plausibility);
 }
 

@@ -58,7 +58,7 @@ Result<void> validate(const EvaluationOptions& options) {
 
 Result<double> outlier_threshold(std::span<const NamedPose> reference,
                                  const EvaluationOptions& options) {
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     if (reference.size() < 2) {
         return Error{ErrorCode::kTooFewMatches, "the reference has fewer than two cameras"};
     }
@@ -85,7 +85,7 @@ Result<ModelEvaluation> evaluate_model(std::span<const NamedPose> reference,
                                        std::span<const NamedPose> model,
                                        const EvaluationOptions& options) {
     const auto threshold = outlier_threshold(reference, options);
-    if (!threshold) return threshold.error();
+    if (!threshold.ok()) return threshold.error();
     const std::vector<NameMatch> matches = match_by_name(reference, model);
     if (matches.size() < 3) {
         return Error{
@@ -104,7 +104,7 @@ Result<ModelEvaluation> evaluate_model(std::span<const NamedPose> reference,
         target.push_back(reference_centres[match.reference]);
     }
     auto alignment = align_robustly(source, target, *threshold, options.alignment);
-    if (!alignment) {
+    if (!alignment.ok()) {
         return Error{alignment.error().code,
                      "the model cannot be aligned: " + alignment.error().message};
     }
@@ -162,13 +162,13 @@ Result<ModelEvaluation> evaluate_model(std::span<const NamedPose> reference,
 Result<std::size_t> summed_outliers(std::span<const NamedPose> reference,
                                     std::span<const std::vector<NamedPose>> models,
                                     std::size_t min_cameras, const EvaluationOptions& options) {
-    if (const auto threshold = outlier_threshold(reference, options); !threshold)
+    if (const auto threshold = outlier_threshold(reference, options); !threshold.ok())
         return threshold.error();
     std::size_t outliers = 0;
     for (const std::vector<NamedPose>& model : models) {
         if (model.size() < min_cameras) continue;
         const auto evaluation = evaluate_model(reference, model, options);
-        if (evaluation) {
+        if (evaluation.ok()) {
             outliers += evaluation->outliers;
         } else if (evaluation.error().code == ErrorCode::kDegenerate) {
             outliers += match_by_name(reference, model).size();

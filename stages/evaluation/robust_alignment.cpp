@@ -60,7 +60,7 @@ Consensus optimize_locally(const Sim3& start, Points source, Points target, doub
         const Consensus near = score(current, source, target, width * threshold);
         if (near.inliers.size() < 3) break;
         const auto fit = fit_subset(source, target, near.inliers);
-        if (!fit) break;
+        if (!fit.ok()) break;  // Expected: of images in one place nothing better can be had
         current = fit->target_from_source;
         Consensus next = score(current, source, target, threshold);
         const bool gained = next.better_than(best);
@@ -109,7 +109,7 @@ Result<void> validate(const RobustAlignmentOptions& options) {
 
 Result<RobustAlignment> align_robustly(Points source, Points target, double inlier_threshold,
                                        const RobustAlignmentOptions& options) {
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     if (!(inlier_threshold > 0.0)) {
         return Error{ErrorCode::kInvalidArgument,
                      "the inlier threshold of an alignment is not positive"};
@@ -121,7 +121,7 @@ Result<RobustAlignment> align_robustly(Points source, Points target, double inli
     Indices all(count);
     std::iota(all.begin(), all.end(), 0U);
     const auto fit_all = fit_subset(source, target, all);
-    if (!fit_all) return fit_all.error();
+    if (!fit_all.ok()) return fit_all.error();
 
     // The fit of all points is where a good model is done at once, and what no triple may fall
     // behind.
@@ -131,7 +131,7 @@ Result<RobustAlignment> align_robustly(Points source, Points target, double inli
         Consensus best_triple;
         for_each_triple(count, options, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
             const auto fit = fit_subset(source, target, std::array{a, b, c});
-            if (!fit) return;
+            if (!fit.ok()) return;  // Expected: three images on a line
             const Consensus found =
                 score(fit->target_from_source, source, target, inlier_threshold);
             if (!found.better_than(best_triple)) return;
@@ -146,7 +146,7 @@ Result<RobustAlignment> align_robustly(Points source, Points target, double inli
     result.consensus = best.inliers.size() >= 3;
     result.inliers = result.consensus ? std::move(best.inliers) : std::move(all);
     auto final_fit = fit_subset(source, target, result.inliers);
-    if (!final_fit) {  // three inliers that coincide: no consensus worth the name
+    if (!final_fit.ok()) {  // three inliers that coincide: no consensus worth the name
         result.consensus = false;
         result.inliers.resize(count);
         std::iota(result.inliers.begin(), result.inliers.end(), 0U);

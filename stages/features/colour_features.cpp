@@ -19,7 +19,7 @@ int pixel_of(float coordinate, int size) {
 
 Result<void> add(const PhotoFile& photo, const FeatureOptions& options, ExtractedPhoto& features) {
     const Result<DecodedPhoto> decoded = read_photo(photo, options.read);
-    if (!decoded) return decoded.error();
+    if (!decoded.ok()) return decoded.error();
     PhotoMetadata metadata = photo_metadata(*decoded, options.film_equivalent);
     if (metadata.width != features.metadata.width || metadata.height != features.metadata.height) {
         const auto size = [](const PhotoMetadata& of) {

@@ -5,7 +5,7 @@
 namespace psfm {
 
 Result<void> validate(const FeatureOptions& options) {
-    if (Result<void> read = validate(options.read); !read) return read;
+    if (Result<void> read = validate(options.read); !read.ok()) return read.error();
     return validate(options.sift);
 }
 

@@ -28,7 +28,8 @@ Result<void> apply_mask_file(const PhotoFile& photo, const std::filesystem::path
         read_mask(*file, {static_cast<int>(metadata.width), static_cast<int>(metadata.height)},
                   metadata.orientation);
     // Whatever is wrong with a mask, it may be put right while the photograph stays as it is.
-    if (!read) return Error{ErrorCode::kIo, printable(photo.name) + ": " + read.error().message};
+    if (!read.ok())
+        return Error{ErrorCode::kIo, printable(photo.name) + ": " + read.error().message};
     hash = read->hash;
     if (mask.empty())
         mask = read->visible;
@@ -38,18 +39,18 @@ Result<void> apply_mask_file(const PhotoFile& photo, const std::filesystem::path
 }
 
 Result<ExtractedPhoto> extract(const PhotoFile& photo, const FeatureOptions& options) {
-    if (Result<void> valid = validate(options); !valid) return valid.error();
+    if (Result<void> valid = validate(options); !valid.ok()) return valid.error();
     Result<DecodedPhoto> decoded = read_photo(photo, options.read);
-    if (!decoded) return decoded.error();
+    if (!decoded.ok()) return decoded.error();
     PhotoMetadata metadata = photo_metadata(*decoded, options.film_equivalent);
     std::uint64_t mask_hash = 0;
     if (Result<void> masked =
             apply_mask_file(photo, options.masks, metadata, (*decoded).mask, mask_hash);
-        !masked)
+        !masked.ok())
         return masked.error();
     Result<SiftFeatures> features =
         extract_sift(decoded->grey, decoded->colour, options.sift, decoded->mask);
-    if (!features) {
+    if (!features.ok()) {
         return Error{features.error().code,
                      printable(photo.name) + ": " + features.error().message};
     }

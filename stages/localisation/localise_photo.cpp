@@ -44,7 +44,7 @@ Result<ByImage> match_images(const LocalisationMap& map, const ExtractedPhoto& p
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t k) {
         const ImageId image = images[k].image;
         const auto theirs = descriptors(image);
-        if (!theirs) {
+        if (!theirs.ok()) {
             found[k] = theirs.error();
             return;
         }
@@ -177,7 +177,7 @@ Result<LocalisedPhoto> localise_photo(const LocalisationMap& map, const Extracte
     auto votes = map.vote(voting_rows(photo.descriptors, options.voting_features));
     votes.resize(std::min(votes.size(), options.images));
     const auto by_image = match_images(map, photo, votes, descriptors, options);
-    if (!by_image) return by_image.error();
+    if (!by_image.ok()) return by_image.error();
     if (by_image->empty()) {
         return Error{ErrorCode::kTooFewMatches,
                      "it matches no image of the session: is it of the same place?"};
@@ -188,7 +188,7 @@ Result<LocalisedPhoto> localise_photo(const LocalisationMap& map, const Extracte
         Sighting sighting = sighting_of(map, photo, lists, part);
         auto pose = estimate_absolute_pose(sighting.pixels, sighting.points, camera, refine_focal,
                                            options.pose, photo.metadata.content_hash);
-        if (!pose) {
+        if (!pose.ok()) {
             last = pose.error();
             continue;
         }

@@ -160,7 +160,7 @@ Result<std::vector<Component>> solve_components(const MergeProblem& problem,
     for (std::size_t c = 0; c < network.clusters.size(); ++c)
         result.cameras.emplace_back(network.clusters[c]->id, network.cameras[c]);
     auto solved = consistent_poses(network, problem.known_poses, options);
-    if (!solved) return solved.error();
+    if (!solved.ok()) return solved.error();
     const ClusterPoses& poses = solved->poses;
     for (std::size_t t = 0; t < tasks.size(); ++t) tasks[t].constraint.used = poses.used[t];
     std::vector<Component> components(poses.component_count);
@@ -209,14 +209,14 @@ std::vector<ClusterId> clusters_to_look_into(const MergeProblem& problem) {
 }
 
 Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& options) {
-    if (auto valid = validate(options); !valid) return valid.error();
-    if (auto valid = check(problem); !valid) return valid.error();
+    if (auto valid = validate(options); !valid.ok()) return valid.error();
+    if (auto valid = check(problem); !valid.ok()) return valid.error();
 
     std::vector<PairTask> tasks = list_pairs(problem);
     estimate_unknown(tasks, options.constraint);
     MergeResult result;
     auto components = solve_components(problem, tasks, options, result);
-    if (!components) return components.error();
+    if (!components.ok()) return components.error();
 
     result.set_aside = set_aside(problem, tasks);
     for (PairTask& task : tasks) {

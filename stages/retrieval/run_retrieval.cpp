@@ -40,7 +40,7 @@ Result<void> index_images(InvertedFile& index, const Vocabulary& vocabulary, std
     for (std::uint32_t i = begin; i < end; ++i) {
         if (i >= first_refresh && is_milestone(i, options)) index.refresh_weights();
         const auto descriptors = source(ImageId{i});
-        if (!descriptors) return descriptors.error();
+        if (!descriptors.ok()) return descriptors.error();
         index.add(vocabulary.assign(indexed_rows(**descriptors, options)));
     }
     return {};
@@ -55,11 +55,11 @@ struct Trained {
 Result<Trained> train(std::uint32_t training_images, std::uint32_t image_count,
                       const DescriptorSource& source, const RetrievalOptions& options) {
     const auto tree = train_session_vocabulary(training_images, source, options);
-    if (!tree) return tree.error();
+    if (!tree.ok()) return tree.error();
     Trained trained{std::make_shared<const Vocabulary>(*tree), InvertedFile(tree->word_count())};
     const auto indexed = index_images(trained.index, *trained.vocabulary, 0, image_count,
                                       training_images, source, options);
-    if (!indexed) return indexed.error();
+    if (!indexed.ok()) return indexed.error();
     return trained;
 }
 
@@ -92,7 +92,7 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
                                       const DescriptorSource& source,
                                       const RetrievalOptions& options,
                                       const ViewGraph& view_graph) {
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     const std::uint32_t earlier = state.image_count;
     if (index_of(image) != earlier) {
         return Error{ErrorCode::kInvalidArgument,
@@ -103,7 +103,7 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
     RetrievalResult result;
     if (is_training(earlier, state, options)) {
         auto trained = train(earlier, earlier, source, options);
-        if (!trained) return trained.error();
+        if (!trained.ok()) return trained.error();
         result.trained_words = trained->vocabulary->word_count();
         state.vocabulary = std::move(trained->vocabulary);
         state.index = std::move(trained->index);
@@ -122,12 +122,12 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
 Result<RetrievalState> rebuild_retrieval(std::shared_ptr<const Vocabulary> given,
                                          std::uint32_t image_count, const DescriptorSource& source,
                                          const RetrievalOptions& options) {
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     RetrievalState state = make_retrieval_state(std::move(given));
     if (state.given) {
         const auto indexed =
             index_images(state.index, *state.vocabulary, 0, image_count, 0, source, options);
-        if (!indexed) return indexed.error();
+        if (!indexed.ok()) return indexed.error();
     } else {
         // Training happens when the image after the milestone arrives.
         std::uint32_t training_images = 0;
@@ -136,7 +136,7 @@ Result<RetrievalState> rebuild_retrieval(std::shared_ptr<const Vocabulary> given
         }
         if (training_images > 0) {
             auto trained = train(training_images, image_count, source, options);
-            if (!trained) return trained.error();
+            if (!trained.ok()) return trained.error();
             state.vocabulary = std::move(trained->vocabulary);
             state.index = std::move(trained->index);
         }

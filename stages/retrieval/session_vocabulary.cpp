@@ -25,7 +25,7 @@ Result<WordTree> train_session_vocabulary(std::uint32_t image_count, const Descr
     Descriptors sample;
     for (std::uint32_t i = 0; i < image_count; ++i) {
         const auto descriptors = source(ImageId{i});
-        if (!descriptors) return descriptors.error();
+        if (!descriptors.ok()) return descriptors.error();
         append_spread(sample, **descriptors, options.features_per_image, quota);
     }
     // A session of blank photographs still needs a vocabulary to go on with.

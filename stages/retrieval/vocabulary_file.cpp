@@ -190,7 +190,7 @@ Result<void> write_vocabulary(const WordTree& tree, const std::filesystem::path&
 
 Result<WordTree> read_vocabulary(const std::filesystem::path& file) {
     const auto bytes = read_checked(file);
-    if (!bytes) return bytes.error();
+    if (!bytes.ok()) return bytes.error();
     if (number_at<std::uint64_t>(*bytes, kChecksumOffset) != checksum(*bytes)) {
         return file_error(ErrorCode::kDamaged, file,
                           "damaged vocabulary (wrong checksum); copy or train it again");

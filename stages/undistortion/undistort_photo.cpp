@@ -50,7 +50,8 @@ Result<cv::Mat> visible_part(const PhotoFile& photo, const cv::Mat& transparent,
     const auto file = find_mask(folder, photo);
     if (!file) return visible;
     const auto mask = read_mask(*file, size, orientation);
-    if (!mask) return Error{mask.error().code, printable(photo.name) + ": " + mask.error().message};
+    if (!mask.ok())
+        return Error{mask.error().code, printable(photo.name) + ": " + mask.error().message};
     cv::bitwise_and(visible, mask->visible, visible);
     return visible;
 }
@@ -73,7 +74,7 @@ Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_ha
                      ErrorCode::kNotFound);
     }
     Result<DecodedPhoto> decoded = read_photo(photo, options.read);
-    if (!decoded) return decoded.error();
+    if (!decoded.ok()) return decoded.error();
     if (decoded->content_hash != content_hash) {
         return about(photo,
                      "is not the photograph that the session knows (its content has "
@@ -94,7 +95,7 @@ Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_ha
     if (options.masks) {
         const auto visible =
             visible_part(photo, decoded->mask, source.size(), orientation, options.mask_folder);
-        if (!visible) return visible.error();
+        if (!visible.ok()) return visible.error();
         mask = same ? *visible : warp_mask(*visible, view);
         files.masks.push_back(encode(mask, ".png", options.jpeg_quality));
     }
@@ -102,7 +103,7 @@ Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_ha
     source.release();
     if (same && orientation == 1 && is_written_as(decoded->format, extension)) {
         auto bytes = read_file_bytes(photo, std::uint64_t{options.read.max_file_mib} << 20U);
-        if (!bytes) return bytes.error();
+        if (!bytes.ok()) return bytes.error();
         files.bytes.push_back(*std::move(bytes));
     } else {
         files.bytes.push_back(encode(picture, extension, options.jpeg_quality));

@@ -84,9 +84,9 @@ Attempt failed(Error error) {
 Attempt attempt_pair(const VerificationInput& input, const PreparedDescriptors& prepared,
                      ImageId candidate_id, const VerificationOptions& options) {
     const Result<ImageFeatures> loaded = input.load(candidate_id);
-    if (!loaded) return failed(loaded.error());
+    if (!loaded.ok()) return failed(loaded.error());
     const ImageFeatures& candidate = *loaded;
-    if (const Result<void> valid = check(candidate); !valid) return failed(valid.error());
+    if (const Result<void> valid = check(candidate); !valid.ok()) return failed(valid.error());
 
     Attempt attempt;
     Clock::time_point start = Clock::now();
@@ -104,7 +104,7 @@ Attempt attempt_pair(const VerificationInput& input, const PreparedDescriptors& 
     Result<TwoViewGeometry> geometry =
         verify_images(candidate, input.image, *matches, options.verify, input.seed);
     attempt.verify_ms = milliseconds_since(start);
-    if (!geometry) {
+    if (!geometry.ok()) {
         const ErrorCode code = geometry.error().code;
         if (code == ErrorCode::kTooFewMatches) {
             attempt.outcome = Outcome::kTooFewMatches;
@@ -185,8 +185,8 @@ FeatureLoader loader_of(std::vector<ImageFeatures> images) {
 }
 
 Result<void> validate(const VerificationOptions& options) {
-    if (const Result<void> valid = validate(options.match); !valid) return valid;
-    if (const Result<void> valid = validate(options.cells); !valid) return valid;
+    if (const Result<void> valid = validate(options.match); !valid.ok()) return valid.error();
+    if (const Result<void> valid = validate(options.cells); !valid.ok()) return valid.error();
     return validate(options.verify);
 }
 
@@ -204,14 +204,14 @@ Result<TwoViewGeometry> verify_images(const ImageFeatures& a, const ImageFeature
     Result<TwoViewGeometry> geometry =
         verify_pair({*first.keypoints, *second.keypoints, first.camera, second.camera, directed},
                     options, pair_seed);
-    if (!geometry || straight) return geometry;
+    if (!geometry.ok() || straight) return geometry;
     return invert(*geometry);
 }
 
 Result<VerificationOutput> run_verification(const VerificationInput& input,
                                             const VerificationOptions& options) {
-    if (const Result<void> valid = validate(options); !valid) return valid.error();
-    if (const Result<void> valid = check(input.image); !valid) return valid.error();
+    if (const Result<void> valid = validate(options); !valid.ok()) return valid.error();
+    if (const Result<void> valid = check(input.image); !valid.ok()) return valid.error();
     const std::vector<ImageId> candidates = without_repetitions(input.candidates);
     if (std::ranges::find(candidates, input.image.id) != candidates.end()) {
         return Error{ErrorCode::kInvalidArgument,

@@ -39,7 +39,7 @@ double transfer_error(const Eigen::Matrix3d& intrinsic, const Eigen::Vector3d& r
 
 Result<TwoViewProblem> make_two_view_problem(const MatchedViews& views, double max_error_px) {
     for (const Camera* camera : {&views.camera1, &views.camera2}) {
-        if (const Result<void> valid = validate(*camera); !valid) return valid.error();
+        if (const Result<void> valid = validate(*camera); !valid.ok()) return valid.error();
     }
     TwoViewProblem problem;
     problem.intrinsics = {views.camera1.matrix(), views.camera2.matrix()};

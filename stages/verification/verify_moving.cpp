@@ -44,7 +44,7 @@ MatchedViews with_matches(const MatchedViews& views, const Matches& matches) {
 std::size_t count_agreeing(const MatchedViews& views, const TwoViewGeometry& geometry,
                            double max_error_px) {
     const auto problem = make_two_view_problem(views, max_error_px);
-    if (!problem.ok()) return 0;
+    if (!problem.ok()) return 0;  // Expected: what no problem can be made of agrees with nothing
     switch (geometry.kind) {
         case TwoViewKind::kFundamental:
             return inliers_of_fundamental(*problem, geometry.matrix, max_error_px).size();
@@ -78,7 +78,7 @@ std::optional<TwoViewGeometry> verify_rest(const MatchedViews& views, const Matc
                                            bool still_everywhere, const VerifyOptions& options,
                                            std::uint64_t seed) {
     auto moving = verify_matches(with_matches(views, rest), options, seed);
-    if (!moving.ok()) return std::nullopt;
+    if (!moving.ok()) return std::nullopt;  // Expected: the rest is no scene of its own
     if (still_everywhere &&
         part(moving->inliers.size(), rest.size()) < options.still.min_moving_share)
         return std::nullopt;
@@ -91,7 +91,7 @@ std::optional<TwoViewGeometry> verify_rest(const MatchedViews& views, const Matc
 
 Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& asked,
                                     std::uint64_t seed) {
-    if (const Result<void> valid = validate(asked); !valid) return valid.error();
+    if (const Result<void> valid = validate(asked); !valid.ok()) return valid.error();
     const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
     const bool all_there = std::ranges::all_of(views.matches, [&](const FeatureMatch& match) {
         return match.first < views.keypoints1.size() && match.second < views.keypoints2.size();

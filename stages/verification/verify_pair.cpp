@@ -119,10 +119,10 @@ TwoViewGeometry geometry_of(const TwoViewProblem& problem, const TwoViewModel& m
 
 Result<TwoViewGeometry> verify_matches(const MatchedViews& views, const VerifyOptions& asked,
                                        std::uint64_t seed) {
-    if (const Result<void> valid = validate(asked); !valid) return valid.error();
+    if (const Result<void> valid = validate(asked); !valid.ok()) return valid.error();
     const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
     const Result<TwoViewProblem> made = make_two_view_problem(views, options.max_error_px);
-    if (!made) return made.error();
+    if (!made.ok()) return made.error();
     const TwoViewProblem& problem = *made;
     const std::size_t count = problem.matches.size();
     const auto fewest = static_cast<std::size_t>(options.min_inliers);
@@ -148,12 +148,12 @@ Result<TwoViewGeometry> verify_matches(const MatchedViews& views, const VerifyOp
 
 Result<TwoViewGeometry> with_intrinsics(const TwoViewGeometry& geometry, const MatchedViews& views,
                                         const VerifyOptions& asked) {
-    if (const Result<void> valid = validate(asked); !valid) return valid.error();
+    if (const Result<void> valid = validate(asked); !valid.ok()) return valid.error();
     const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
     MatchedViews inliers_only = views;
     inliers_only.matches = geometry.inliers;
     const Result<TwoViewProblem> made = make_two_view_problem(inliers_only, options.max_error_px);
-    if (!made) return made.error();
+    if (!made.ok()) return made.error();
     const TwoViewProblem& problem = *made;
     const auto fewest = static_cast<std::size_t>(options.min_inliers);
     if (problem.matches.size() < fewest) return too_few(problem.matches.size(), fewest);

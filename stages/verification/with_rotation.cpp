@@ -47,7 +47,7 @@ Result<TwoViewGeometry> with_rotation(const TwoViewGeometry& geometry, const Mat
     MatchedViews inliers_only = views;
     inliers_only.matches = geometry.inliers;
     const Result<TwoViewProblem> made = make_two_view_problem(inliers_only, verify.max_error_px);
-    if (!made) return made.error();
+    if (!made.ok()) return made.error();
     const TwoViewProblem& problem = *made;
     Indices all(problem.matches.size());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;

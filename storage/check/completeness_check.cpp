@@ -30,13 +30,17 @@ void RecordCheck::check_completeness() {
         // say.
         if (!keypoint_counts_.contains(image)) {
             const auto value = view_->get(Family::kKeypoints, encode_key(image));
-            if (value && !value->has_value()) {
+            if (!value.ok()) {
+                damaged(Family::kKeypoints, encode_key(image), value.error().message);
+            } else if (!value->has_value()) {
                 damaged(Family::kKeypoints, encode_key(image), "are missing");
             }
         }
         if (!with_descriptors_.contains(image)) {
             const auto value = view_->get(Family::kDescriptors, encode_key(image));
-            if (value && !value->has_value()) {
+            if (!value.ok()) {
+                damaged(Family::kDescriptors, encode_key(image), value.error().message);
+            } else if (!value->has_value()) {
                 damaged(Family::kDescriptors, encode_key(image), "are missing");
             }
         }

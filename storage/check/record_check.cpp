@@ -173,7 +173,7 @@ void RecordCheck::check_poses(std::string_view key, std::string_view value) {
     }
     if (poses->since == 0) return;
     const auto whole = read_poses(*view_, *solution);
-    if (!whole) damaged(Family::kSolutions, key, whole.error().message);
+    if (!whole.ok()) damaged(Family::kSolutions, key, whole.error().message);
 }
 
 void RecordCheck::check_points(std::string_view key, std::string_view value) {
@@ -186,9 +186,9 @@ void RecordCheck::check_points(std::string_view key, std::string_view value) {
         return damaged(Family::kPoints, key, "its solution is missing");
     }
     const auto poses = read_poses(*view_, *solution);
-    if (!poses || !poses->has_value()) return;  // in the report already
+    if (!poses.ok() || !poses->has_value()) return;  // Expected: in the report already
     const auto points = read_points(*view_, *solution);
-    if (!points) return damaged(Family::kPoints, key, points.error().message);
+    if (!points.ok()) return damaged(Family::kPoints, key, points.error().message);
     if (!points_belong_to((*points)->points, **poses)) {
         damaged(Family::kPoints, key, "a point observes an image that has no pose");
     }

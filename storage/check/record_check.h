@@ -55,9 +55,9 @@ class RecordCheck {
         auto payload = open_record(kind, key, value);
         using T = std::remove_cvref_t<decltype(decode_payload(std::string_view{}).value())>;
         std::optional<T> result;
-        if (!payload) {
+        if (!payload.ok()) {
             damaged(family, key, payload.error().message);
-        } else if (auto decoded = decode_payload(*payload); !decoded) {
+        } else if (auto decoded = decode_payload(*payload); !decoded.ok()) {
             damaged(family, key, decoded.error().message);
         } else {
             result = std::move(*decoded);

@@ -21,8 +21,8 @@ Result<CheckReport> check_session(const Database& database,
             return report;
         }
         const auto followed = database.catch_up();
-        if (!followed) report.damaged.push_back({"database", "log", followed.error().message});
-        if (!followed || !*followed) return report;
+        if (!followed.ok()) report.damaged.push_back({"database", "log", followed.error().message});
+        if (!followed.ok() || !*followed) return report;
     }
 }
 

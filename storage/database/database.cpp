@@ -31,8 +31,8 @@ bool has_orphaned_tables(const std::filesystem::path& folder) {
 /// secondary instance does not say: it falls back on the last state whose tables it can read.
 /// Writers are kept out meanwhile; beside one there is nothing to do, as it looked when it opened.
 Result<void> look_through(const std::filesystem::path& session, const StoreOptions& options) {
-    if (auto sound = check_logs(session); !sound) return sound;
-    if (auto sound = check_tables(session); !sound) return sound;
+    if (auto sound = check_logs(session); !sound.ok()) return sound.error();
+    if (auto sound = check_tables(session); !sound.ok()) return sound.error();
     const DatabaseOptions setup = make_database_options(options, nullptr);
     rocksdb::DB* db = nullptr;
     std::vector<rocksdb::ColumnFamilyHandle*> handles;
@@ -58,8 +58,8 @@ Result<std::unique_ptr<Database>> Database::open_primary(const std::filesystem::
         return Error{ErrorCode::kDamaged,
                      label + " has lost its marker and its database's index" + kDamageRemedy};
     }
-    if (const auto sound = check_logs(session); !sound) return sound.error();
-    if (const auto sound = check_tables(session); !sound) return sound.error();
+    if (const auto sound = check_logs(session); !sound.ok()) return sound.error();
+    if (const auto sound = check_tables(session); !sound.ok()) return sound.error();
     DatabaseOptions setup = make_database_options(options, env);
     setup.database.create_if_missing = mode == DatabaseMode::kCreate;
     setup.database.create_missing_column_families = mode == DatabaseMode::kCreate;
@@ -85,12 +85,12 @@ Result<std::unique_ptr<Database>> Database::open_secondary(const std::filesystem
     database->secondary_ = true;
     database->scratch_.emplace(std::move(scratch));
     const auto quiet = SessionLock::exclude_writers(session);
-    if (!quiet) return quiet.error();
+    if (!quiet.ok()) return quiet.error();
     const bool beside_writer = !quiet->has_value();
     // A writer that is there has looked through everything when it opened.
     if (!beside_writer) {
         auto looked = look_through(session, options);
-        if (!looked) return looked.error();
+        if (!looked.ok()) return looked.error();
     }
     rocksdb::Status status;
     // A writer may delete a file between our reading its name and opening it: look again.

@@ -60,9 +60,9 @@ auto open_and_decode(const ReadView& view, Family family, RecordKind kind, std::
                      std::string_view value, const Decode& decode)
     -> decltype(decode(std::string_view{})) {
     const auto payload = open_record(kind, key, value);
-    if (!payload) return view.about(family, key, payload.error());
+    if (!payload.ok()) return view.about(family, key, payload.error());
     auto decoded = decode(*payload);
-    if (!decoded) return view.about(family, key, decoded.error());
+    if (!decoded.ok()) return view.about(family, key, decoded.error());
     return decoded;
 }
 
@@ -71,10 +71,10 @@ template <typename T, typename Decode>
 Result<std::optional<T>> fetch(const ReadView& view, Family family, RecordKind kind,
                                const std::string& key, const Decode& decode) {
     const auto value = view.get(family, key);
-    if (!value) return value.error();
+    if (!value.ok()) return value.error();
     if (!value->has_value()) return std::optional<T>();
     auto decoded = open_and_decode(view, family, kind, key, (*value)->ToStringView(), decode);
-    if (!decoded) return decoded.error();
+    if (!decoded.ok()) return decoded.error();
     return std::optional<T>(std::move(*decoded));
 }
 
@@ -94,9 +94,10 @@ auto read_consistently(const Database& database, const Read& read)
             if (code != ErrorCode::kDamaged && code != ErrorCode::kIo) return result;
             problem = result.error();
         }
-        // Nothing new: what is wrong is wrong for good.
         const auto followed = database.catch_up();
-        if (followed && !*followed) return *problem;
+        // Nothing new: what is wrong is wrong for good. Expected: where it cannot be looked for,
+        // the last attempt says what is wrong.
+        if (followed.ok() && !*followed) return *problem;
     }
 }
 

@@ -50,7 +50,7 @@ Result<ReaderFolder> ReaderFolder::make(const fs::path& session) {
         // A writer that opens just now may take the folder for a stale one before the lock is on
         // it.
         const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, path);
-        if (!locked) return locked.error();
+        if (!locked.ok()) return locked.error();
         if (*locked && still_there(path, handle)) return ReaderFolder(path, std::move(handle));
     }
     return Error{ErrorCode::kIo, "too many readers in " + quoted(parent)};
@@ -73,7 +73,8 @@ void remove_stale_reader_folders(const fs::path& session) {
         const FileHandle handle = open_folder(folder);
         if (!handle.is_open()) continue;
         const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, folder);
-        if (locked && *locked) fs::remove_all(folder, ignored);
+        // Expected: what cannot be locked is left there
+        if (locked.ok() && *locked) fs::remove_all(folder, ignored);
     }
 }
 

@@ -15,7 +15,7 @@ Error strange_key(const ReadView& view, Family family, std::string_view key) {
 
 Result<std::uint32_t> count_images(const ReadView& view, Family family) {
     const auto last = view.last_key(family);
-    if (!last) return last.error();
+    if (!last.ok()) return last.error();
     if (!last->has_value()) return std::uint32_t{0};
     const auto image = decode_image_key(**last);
     if (!image) return strange_key(view, family, **last);
@@ -31,11 +31,11 @@ Result<std::map<ClusterId, ClusterRecord>> read_clusters(const ReadView& view) {
             auto record = open_and_decode(
                 view, Family::kClusters, RecordKind::kCluster, key, value,
                 [&](std::string_view payload) { return decode_cluster(*id, payload); });
-            if (!record) return record.error();
+            if (!record.ok()) return record.error();
             clusters.emplace(*id, std::move(*record));
             return {};
         });
-    if (!visited) return visited.error();
+    if (!visited.ok()) return visited.error();
     return clusters;
 }
 
@@ -48,7 +48,7 @@ Result<std::set<CameraId>> read_camera_ids(const ReadView& view) {
                                            ids.insert(*id);
                                            return {};
                                        });
-    if (!visited) return visited.error();
+    if (!visited.ok()) return visited.error();
     return ids;
 }
 
@@ -62,11 +62,11 @@ Result<SupersededSolutions> read_superseded(const ReadView& view) {
             const auto whole = open_and_decode(
                 view, Family::kMeta, RecordKind::kSuperseded, key, value,
                 [&](std::string_view payload) { return decode_superseded(*solution, payload); });
-            if (!whole) return whole.error();
+            if (!whole.ok()) return whole.error();
             solutions.emplace(*solution, *whole);
             return {};
         });
-    if (!visited) return visited.error();
+    if (!visited.ok()) return visited.error();
     return solutions;
 }
 
@@ -83,13 +83,13 @@ Result<std::vector<PastVersion>> read_versions(const ReadView& view) {
             auto record = open_and_decode(
                 view, Family::kScenes, RecordKind::kScene, key, value,
                 [&](std::string_view payload) { return decode_scene(*scene_key, payload); });
-            if (!record) return record.error();
+            if (!record.ok()) return record.error();
             StoredSceneVersion& scene = record->scene;
             versions.push_back({scene.version, scene.image_count, scene.effective_clusters,
                                 std::move(scene.summary_json)});
             return {};
         });
-    if (!visited) return visited.error();
+    if (!visited.ok()) return visited.error();
     return versions;
 }
 
@@ -97,7 +97,7 @@ Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
                                                     std::uint32_t image_count) {
     const SceneKey upper{image_count, std::numeric_limits<std::uint64_t>::max()};
     const auto found = view.at_or_before(Family::kScenes, encode_key(upper));
-    if (!found) return found.error();
+    if (!found.ok()) return found.error();
     if (!found->has_value()) return std::optional<SceneRecord>();
     const auto& [key, value] = **found;
     const auto scene_key = decode_scene_key(key);
@@ -105,7 +105,7 @@ Result<std::optional<SceneRecord>> read_scene_after(const ReadView& view,
     auto record = open_and_decode(
         view, Family::kScenes, RecordKind::kScene, key, value,
         [&](std::string_view payload) { return decode_scene(*scene_key, payload); });
-    if (!record) return record.error();
+    if (!record.ok()) return record.error();
     return std::optional<SceneRecord>(std::move(*record));
 }
 

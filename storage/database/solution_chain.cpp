@@ -19,7 +19,7 @@ Result<std::vector<Part>> read_chain(const ReadView& view, Family family, Record
     std::vector<Part> chain;
     for (SolutionKey at = key;;) {
         auto part = fetch<Part>(view, family, kind, encode_key(at), decode);
-        if (!part) return part.error();
+        if (!part.ok()) return part.error();
         if (!part->has_value()) {
             if (chain.empty()) return chain;
             return damage(view, family, at, "is missing; a later one is stored as changes to it");
@@ -38,12 +38,12 @@ Result<std::vector<Part>> read_chain(const ReadView& view, Family family, Record
 Result<std::optional<Reconstruction>> read_poses(const ReadView& view, const SolutionKey& key) {
     auto chain =
         read_chain<SolutionPoses>(view, Family::kSolutions, RecordKind::kPoses, key, decode_poses);
-    if (!chain) return chain.error();
+    if (!chain.ok()) return chain.error();
     if (chain->empty()) return std::optional<Reconstruction>();
     Reconstruction model = std::move(chain->back().model);
     for (chain->pop_back(); !chain->empty(); chain->pop_back()) {
         const auto applied = apply(std::move(chain->back()), model);
-        if (!applied) return view.about(Family::kSolutions, encode_key(key), applied.error());
+        if (!applied.ok()) return view.about(Family::kSolutions, encode_key(key), applied.error());
     }
     return std::optional(std::move(model));
 }
@@ -51,13 +51,13 @@ Result<std::optional<Reconstruction>> read_poses(const ReadView& view, const Sol
 Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const SolutionKey& key) {
     auto chain =
         read_chain<SolutionPoints>(view, Family::kPoints, RecordKind::kPoints, key, decode_points);
-    if (!chain) return chain.error();
+    if (!chain.ok()) return chain.error();
     if (chain->empty()) return std::optional<SolutionPoints>();
     SolutionPoints result = std::move(chain->back());
     for (chain->pop_back(); !chain->empty(); chain->pop_back()) {
         result.state_json = std::move(chain->back().state_json);
         const auto applied = apply(chain->back(), result.points);
-        if (!applied) return view.about(Family::kPoints, encode_key(key), applied.error());
+        if (!applied.ok()) return view.about(Family::kPoints, encode_key(key), applied.error());
     }
     return std::optional(std::move(result));
 }
@@ -65,7 +65,7 @@ Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const So
 Result<std::optional<std::uint32_t>> revision_before(const ReadView& view, const SolutionKey& key) {
     const auto poses = fetch<SolutionPoses>(view, Family::kSolutions, RecordKind::kPoses,
                                             encode_key(key), decode_poses);
-    if (!poses) return poses.error();
+    if (!poses.ok()) return poses.error();
     if (!poses->has_value()) return std::optional<std::uint32_t>();
     return std::optional((*poses)->since);
 }

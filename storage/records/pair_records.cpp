@@ -138,7 +138,7 @@ Result<std::vector<VerifiedPairPtr>> decode_pairs(ImageId image, std::string_vie
     std::vector<VerifiedPairPtr> pairs;
     for (const records::Pair* entry : *record->pairs()) {
         auto pair = read_pair(image, *entry);
-        if (!pair) return pair.error();
+        if (!pair.ok()) return pair.error();
         const ImageId other = (*pair)->pair.first;
         if (other >= image || (!pairs.empty() && other <= pairs.back()->pair.first)) {
             return damaged_payload("pairs are not ascending, or not with earlier images");

@@ -121,7 +121,7 @@ Result<SolutionPoses> decode_poses(std::string_view payload) {
     }
     for (const records::ClusterCamera* entry : *record->cameras()) {
         const auto camera = from_record(*entry->camera());
-        if (!camera) return camera.error();
+        if (!camera.ok()) return camera.error();
         if (!model.cameras.emplace(static_cast<CameraId>(entry->id()), *camera).second) {
             return damaged_payload("camera is there twice");
         }

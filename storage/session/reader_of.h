@@ -60,7 +60,7 @@ class ReaderOf : public Interface {
     void give_up_cache(std::size_t bytes) const override { reads_.give_up_cache(bytes); }
     Result<void> refresh() override {
         const auto followed = database_->catch_up();
-        if (!followed) return followed.error();
+        if (!followed.ok()) return followed.error();
         return {};
     }
 

@@ -31,10 +31,10 @@ struct WholeSolution {
 /// Poses and points put together; nothing when the points were dropped.
 Result<std::optional<WholeSolution>> read_whole(const ReadView& view, const SolutionKey& key) {
     auto poses = read_poses(view, key);
-    if (!poses) return poses.error();
+    if (!poses.ok()) return poses.error();
     if (!poses->has_value()) return missing(view, Family::kSolutions, key);
     auto points = read_points(view, key);
-    if (!points) return points.error();
+    if (!points.ok()) return points.error();
     if (!points->has_value()) return std::optional<WholeSolution>();
     if (!points_belong_to((*points)->points, **poses)) {
         return view.about(Family::kPoints, encode_key(key),
@@ -51,7 +51,7 @@ Result<std::vector<StoredCluster>> SessionReads::clusters() const {
     using Clusters = std::vector<StoredCluster>;
     return read_consistently(*database_, [](const ReadView& view) -> Result<Clusters> {
         const auto records = read_clusters(view);
-        if (!records) return records.error();
+        if (!records.ok()) return records.error();
         Clusters live;
         for (const auto& [id, record] : *records) {
             if (!record.removed) live.push_back(record.cluster);
@@ -64,7 +64,7 @@ Result<ClusterId> SessionReads::next_cluster_id() const {
     return read_consistently(*database_, [](const ReadView& view) -> Result<ClusterId> {
         // Removed clusters are there as tombstones, so the last key is the last id ever used.
         const auto last = view.last_key(Family::kClusters);
-        if (!last) return last.error();
+        if (!last.ok()) return last.error();
         if (!last->has_value()) return ClusterId{0};
         const auto id = decode_cluster_key(**last);
         if (!id) {
@@ -80,17 +80,17 @@ Result<std::optional<StoredSolution>> SessionReads::solution(ClusterId cluster) 
     return read_consistently(*database_, [&](const ReadView& view) -> Result<MaybeSolution> {
         const SolutionKey upper{cluster, std::numeric_limits<std::uint32_t>::max()};
         const auto found = view.at_or_before(Family::kSolutions, encode_key(upper));
-        if (!found) return found.error();
+        if (!found.ok()) return found.error();
         if (!found->has_value()) return MaybeSolution();
         const auto key = decode_solution_key((*found)->first);
         if (!key || key->cluster != cluster) return MaybeSolution();
         auto whole = read_whole(view, *key);
-        if (!whole) return whole.error();
+        if (!whole.ok()) return whole.error();
         if (!whole->has_value()) {
             const auto record = fetch<ClusterRecord>(
                 view, Family::kClusters, RecordKind::kCluster, encode_key(cluster),
                 [&](std::string_view payload) { return decode_cluster(cluster, payload); });
-            if (!record) return record.error();
+            if (!record.ok()) return record.error();
             // The last solution of a removed cluster goes when nothing needs it any more.
             if (record->has_value() && (*record)->removed) return MaybeSolution();
             return missing(view, Family::kPoints, *key);
@@ -105,7 +105,7 @@ Result<std::shared_ptr<const Reconstruction>> SessionReads::recycled_model(
     const SolutionReference& solution) const {
     return read_consistently(*database_, [&](const ReadView& view) -> Result<ModelPtr> {
         auto whole = read_whole(view, solution);
-        if (!whole) return whole.error();
+        if (!whole.ok()) return whole.error();
         if (!whole->has_value()) return ModelPtr();
         return std::make_shared<const Reconstruction>(std::move((*whole)->model));
     });
@@ -121,12 +121,12 @@ Result<SessionReads::ModelPtr> SessionReads::read_model(const ReadView& view,
     ModelPtr model;
     if (whole_model) {
         auto whole = read_whole(view, key);
-        if (!whole) return whole.error();
+        if (!whole.ok()) return whole.error();
         if (!whole->has_value()) return missing(view, Family::kPoints, key);
         model = std::make_shared<const Reconstruction>(std::move((*whole)->model));
     } else {
         auto poses = read_poses(view, key);
-        if (!poses) return poses.error();
+        if (!poses.ok()) return poses.error();
         if (!poses->has_value()) return missing(view, Family::kSolutions, key);
         model = std::make_shared<const Reconstruction>(std::move(**poses));
     }
@@ -149,7 +149,7 @@ Result<Scene> SessionReads::assemble(const ReadView& view, const SceneRecord& re
         cluster->effective_cluster = placement.effective_cluster;
         if (placement.revision > 0) {
             auto model = read_model(view, {placement.cluster, placement.revision}, with_points);
-            if (!model) return model.error();
+            if (!model.ok()) return model.error();
             cluster->model = std::move(*model);
             // A solution may still hold images that another cluster shows by now.
             if (places_others_than(*cluster->model, cluster->members)) {
@@ -173,7 +173,7 @@ Result<Scene> SessionReads::scene_poses() const {
 Result<Scene> SessionReads::latest_scene(WithPoints with_points) const {
     return read_consistently(*database_, [&](const ReadView& view) -> Result<Scene> {
         const auto record = read_latest_scene(view);
-        if (!record) return record.error();
+        if (!record.ok()) return record.error();
         if (!record->has_value()) return Scene{};
         return assemble(view, **record, with_points);
     });
@@ -182,7 +182,7 @@ Result<Scene> SessionReads::latest_scene(WithPoints with_points) const {
 Result<std::string> SessionReads::scene_summary_json() const {
     return read_consistently(*database_, [](const ReadView& view) -> Result<std::string> {
         const auto record = read_latest_scene(view);
-        if (!record) return record.error();
+        if (!record.ok()) return record.error();
         return record->has_value() ? (*record)->scene.summary_json : std::string();
     });
 }
@@ -194,7 +194,7 @@ Result<std::vector<PastVersion>> SessionReads::versions() const {
 Result<Scene> SessionReads::scene_after(std::uint32_t image_count) const {
     return read_consistently(*database_, [&](const ReadView& view) -> Result<Scene> {
         const auto record = read_scene_after(view, image_count);
-        if (!record) return record.error();
+        if (!record.ok()) return record.error();
         if (!record->has_value()) {
             return Error{ErrorCode::kNotFound,
                          database_->label() + " keeps no version with at most " +
@@ -202,7 +202,7 @@ Result<Scene> SessionReads::scene_after(std::uint32_t image_count) const {
                              " images; versions are kept with '--history poses' or 'full'"};
         }
         const auto latest = read_latest_scene(view);
-        if (!latest) return latest.error();
+        if (!latest.ok()) return latest.error();
         const bool is_latest =
             latest->has_value() && (*latest)->scene.version == (*record)->scene.version;
         const bool kept = std::ranges::all_of((*record)->points_kept, [](bool k) { return k; });

@@ -84,7 +84,7 @@ Result<SessionLock> SessionLock::acquire(const std::filesystem::path& folder) {
     for (int attempt = 0; attempt < kAttempts && !locked; ++attempt) {
         if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
         const auto taken = file.try_lock(FileHandle::LockMode::kExclusive, path);
-        if (!taken) return taken.error();
+        if (!taken.ok()) return taken.error();
         locked = *taken;
     }
     if (!locked) return in_use(folder);
@@ -102,7 +102,7 @@ Result<std::optional<SessionLock>> SessionLock::exclude_writers(
     FileHandle file(::open(path.c_str(), O_RDONLY | O_CREAT | O_CLOEXEC, 0644));
     if (!file.is_open()) return system_error("cannot open " + quoted(path), errno);
     const auto locked = file.try_lock(FileHandle::LockMode::kShared, path);
-    if (!locked) return locked.error();
+    if (!locked.ok()) return locked.error();
     if (!*locked) return std::optional<SessionLock>();
     return std::optional<SessionLock>(SessionLock(std::move(file)));
 }

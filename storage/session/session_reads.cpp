@@ -34,7 +34,7 @@ Result<std::shared_ptr<const T>> read_cached(const Database& database, DecodedCa
     return read_consistently(
         database, [&](const ReadView& view) -> Result<std::shared_ptr<const T>> {
             auto value = fetch<T>(view, family, kind, encode_key(image), decode);
-            if (!value) return value.error();
+            if (!value.ok()) return value.error();
             if (!value->has_value()) {
                 return no_such(database, std::string(describe(kind)) + " of " + name(image));
             }
@@ -59,11 +59,11 @@ Result<std::vector<T>> read_images(const Database& database, const Decode& decod
                 auto value =
                     open_and_decode(view, Family::kImages, RecordKind::kImage, key, record,
                                     [&](std::string_view payload) { return decode(*id, payload); });
-                if (!value) return value.error();
+                if (!value.ok()) return value.error();
                 values.push_back(std::move(*value));
                 return {};
             });
-        if (!visited) return visited.error();
+        if (!visited.ok()) return visited.error();
         return values;
     });
 }
@@ -74,7 +74,7 @@ Result<SessionSettings> SessionReads::settings() const {
     return read_consistently(*database_, [&](const ReadView& view) -> Result<SessionSettings> {
         auto value = fetch<SessionSettings>(view, Family::kMeta, RecordKind::kSettings,
                                             settings_key(), decode_settings);
-        if (!value) return value.error();
+        if (!value.ok()) return value.error();
         if (!value->has_value()) return no_such(*database_, "settings; 'psfm run' writes them");
         return std::move(**value);
     });
@@ -126,11 +126,11 @@ Result<std::map<CameraId, Camera>> SessionReads::cameras() const {
                 if (!id) return damage(view, Family::kMeta, key, "is under an impossible key");
                 const auto camera = open_and_decode(view, Family::kMeta, RecordKind::kCamera, key,
                                                     value, decode_camera);
-                if (!camera) return camera.error();
+                if (!camera.ok()) return camera.error();
                 cameras.emplace(*id, *camera);
                 return {};
             });
-        if (!visited) return visited.error();
+        if (!visited.ok()) return visited.error();
         return cameras;
     });
 }
@@ -147,11 +147,11 @@ Result<std::vector<RejectedPhoto>> SessionReads::rejected() const {
                                   [&](std::string_view payload) {
                                       return decode_rejected(*decode_rejected_key(key), payload);
                                   });
-                              if (!photo) return photo.error();
+                              if (!photo.ok()) return photo.error();
                               photos.push_back(std::move(*photo));
                               return {};
                           });
-        if (!visited) return visited.error();
+        if (!visited.ok()) return visited.error();
         return photos;
     });
 }
@@ -179,7 +179,7 @@ Result<std::vector<VerifiedPairPtr>> SessionReads::pairs_of(ImageId image) const
         auto pairs =
             fetch<Pairs>(view, Family::kPairs, RecordKind::kPairs, encode_key(image),
                          [&](std::string_view payload) { return decode_pairs(image, payload); });
-        if (!pairs) return pairs.error();
+        if (!pairs.ok()) return pairs.error();
         if (!pairs->has_value()) return no_such(*database_, "verified pairs of " + name(image));
         return std::move(**pairs);
     });

@@ -27,17 +27,17 @@ Error no_folder(const fs::path& folder, const std::error_code& error) {
 Result<std::unique_ptr<Database>> open_locked(const fs::path& folder, const StoreOptions& options,
                                               const StoreSeams& seams) {
     auto lock = SessionLock::acquire(folder);
-    if (!lock) return lock.error();
+    if (!lock.ok()) return lock.error();
     const auto state = inspect_session_folder(folder);
-    if (!state) return state.error();
+    if (!state.ok()) return state.error();
     const bool is_new = *state == FolderState::kNew;
     auto database = Database::open_primary(folder, std::move(*lock),
                                            is_new ? DatabaseMode::kCreate : DatabaseMode::kExisting,
                                            options, seams.env);
-    if (!database) return database;
+    if (!database.ok()) return database.error();
     // The marker comes last: with it, a database that is not there is damage, and not made anew.
     if (is_new) {
-        if (const auto marked = write_session_marker(folder); !marked) return marked.error();
+        if (const auto marked = write_session_marker(folder); !marked.ok()) return marked.error();
     }
     remove_stale_reader_folders(folder);
     return database;
@@ -48,17 +48,17 @@ Result<std::unique_ptr<Database>> open_locked(const fs::path& folder, const Stor
 Result<WriterState> WriterState::read(const Database& database) {
     const ReadView view(database);
     const auto images = count_images(view, Family::kImages);
-    if (!images) return images.error();
+    if (!images.ok()) return images.error();
     const auto verified = count_images(view, Family::kPairs);
-    if (!verified) return verified.error();
+    if (!verified.ok()) return verified.error();
     auto cameras = read_camera_ids(view);
-    if (!cameras) return cameras.error();
+    if (!cameras.ok()) return cameras.error();
     auto clusters = read_clusters(view);
-    if (!clusters) return clusters.error();
+    if (!clusters.ok()) return clusters.error();
     auto superseded = read_superseded(view);
-    if (!superseded) return superseded.error();
+    if (!superseded.ok()) return superseded.error();
     auto scene = read_latest_scene(view);
-    if (!scene) return scene.error();
+    if (!scene.ok()) return scene.error();
     return WriterState{*images,
                        *verified,
                        std::move(*cameras),
@@ -71,10 +71,10 @@ Result<std::unique_ptr<SessionStore>> open_session_store(const fs::path& folder,
                                                          const StoreOptions& options, OpenMode mode,
                                                          const StoreSeams& seams) {
     const auto state = inspect_session_folder(folder);
-    if (!state && state.error().code == ErrorCode::kInvalidArgument &&
+    if (!state.ok() && state.error().code == ErrorCode::kInvalidArgument &&
         mode == OpenMode::kExistingOnly)
         return not_there(folder);
-    if (!state) return state.error();
+    if (!state.ok()) return state.error();
     if (*state == FolderState::kNew) {
         if (mode == OpenMode::kExistingOnly) return not_there(folder);
         std::error_code error;
@@ -82,12 +82,12 @@ Result<std::unique_ptr<SessionStore>> open_session_store(const fs::path& folder,
         if (error) return no_folder(folder, error);
     }
     auto database = open_locked(folder, options, seams);
-    if (!database) return database.error();
+    if (!database.ok()) return database.error();
     auto writer_state = WriterState::read(**database);
-    if (!writer_state) return writer_state.error();
+    if (!writer_state.ok()) return writer_state.error();
     auto writer =
         std::make_unique<SessionWriter>(std::move(*database), std::move(*writer_state), options);
-    if (const auto kept = writer->keep_history(options.history); !kept) return kept.error();
+    if (const auto kept = writer->keep_history(options.history); !kept.ok()) return kept.error();
     return std::unique_ptr<SessionStore>(std::move(writer));
 }
 
@@ -104,13 +104,13 @@ Result<std::unique_ptr<SessionStore>> SessionStore::open_existing(const fs::path
 Result<std::unique_ptr<SessionReader>> open_session_reader(const fs::path& folder,
                                                            const StoreOptions& options) {
     const auto state = inspect_session_folder(folder);
-    if (!state && state.error().code == ErrorCode::kInvalidArgument) return not_there(folder);
-    if (!state) return state.error();
+    if (!state.ok() && state.error().code == ErrorCode::kInvalidArgument) return not_there(folder);
+    if (!state.ok()) return state.error();
     if (*state == FolderState::kNew) return not_there(folder);
     auto scratch = ReaderFolder::make(folder);
-    if (!scratch) return scratch.error();
+    if (!scratch.ok()) return scratch.error();
     auto database = Database::open_secondary(folder, std::move(*scratch), options);
-    if (!database) return database.error();
+    if (!database.ok()) return database.error();
     return std::unique_ptr<SessionReader>(std::make_unique<ReaderOf<SessionReader>>(
         std::move(*database), decoded_cache_bytes(options)));
 }

@@ -35,7 +35,7 @@ Result<void> SessionWriter::write(Batch& batch) {
     if (batch.error()) return refused(batch.error()->message);
     if (failed_) return *failed_;
     auto written = database().write(batch.records());
-    if (!written) failed_ = written.error();
+    if (!written.ok()) failed_ = written.error();
     return written;
 }
 
@@ -66,7 +66,7 @@ Result<void> SessionWriter::commit_image(const Image& image, const Camera& camer
                   encode_camera(camera));
     }
     batch.remove(Family::kMeta, rejected_key(image.name));
-    if (auto written = write(batch); !written) return written;
+    if (auto written = write(batch); !written.ok()) return written.error();
     ++state_.image_count;
     state_.cameras.insert(image.camera);
     return {};
@@ -148,12 +148,12 @@ Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<Verifi
                        std::to_string(state_.verified_count));
     }
     auto edited = edited_clusters(image, changed, removed);
-    if (!edited) return edited.error();
+    if (!edited.ok()) return edited.error();
     Batch batch(database());
     batch.put(Family::kPairs, RecordKind::kPairs, encode_key(image), encode_pairs(image, pairs));
     SupersededSolutions marked;
     put_clusters(batch, *edited, marked);
-    if (auto written = write(batch); !written) return written;
+    if (auto written = write(batch); !written.ok()) return written.error();
     ++state_.verified_count;
     take_over(*std::move(edited), marked);
     return {};
@@ -161,11 +161,11 @@ Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<Verifi
 
 Result<void> SessionWriter::commit_clusters(const StoredEdit& edit) {
     auto edited = edited_clusters(edit);
-    if (!edited) return edited.error();
+    if (!edited.ok()) return edited.error();
     Batch batch(database());
     SupersededSolutions marked;
     put_clusters(batch, *edited, marked);
-    if (auto written = write(batch); !written) return written;
+    if (auto written = write(batch); !written.ok()) return written.error();
     take_over(*std::move(edited), marked);
     return {};
 }
@@ -202,10 +202,10 @@ Result<void> SessionWriter::check_scene(const StoredSceneVersion& version) const
 
 Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
                                          const std::vector<StoredCluster>& changed) {
-    if (auto checked = check_scene(version); !checked) return checked;
+    if (auto checked = check_scene(version); !checked.ok()) return checked.error();
     // Changes follow from what is committed: from all verified images, of which there are some.
     auto edited = edited_clusters({changed, {}});
-    if (!edited) return edited.error();
+    if (!edited.ok()) return edited.error();
     const SceneRecord* latest = state_.scene ? &*state_.scene : nullptr;
     SceneRecord record{version, points_kept_by(version, latest, history_)};
     Batch batch(database());
@@ -226,7 +226,7 @@ Result<void> SessionWriter::commit_scene(const StoredSceneVersion& version,
         batch.remove(Family::kScenes,
                      encode_key(SceneKey{latest->scene.image_count, latest->scene.version}));
     }
-    if (auto written = write(batch); !written) return written;
+    if (auto written = write(batch); !written.ok()) return written.error();
     state_.scene = std::move(record);
     take_over(*std::move(edited), {});
     for (const SolutionKey& key : settled) state_.superseded.erase(key);

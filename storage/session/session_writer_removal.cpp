@@ -11,7 +11,7 @@ namespace psfm {
 
 Result<void> SessionWriter::commit_removal(const StoredRemoval& removal) {
     auto edited = edited_clusters(removal.edit);
-    if (!edited) return edited.error();
+    if (!edited.ok()) return edited.error();
     Batch batch(database());
     for (const auto& [image, source] : removal.images) {
         if (index_of(image.id) >= state_.image_count)
@@ -33,7 +33,7 @@ Result<void> SessionWriter::commit_removal(const StoredRemoval& removal) {
     }
     SupersededSolutions marked;
     put_clusters(batch, *edited, marked);
-    if (auto written = write(batch); !written) return written;
+    if (auto written = write(batch); !written.ok()) return written.error();
     take_over(*std::move(edited), marked);
     return {};
 }

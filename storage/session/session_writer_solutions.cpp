@@ -33,7 +33,7 @@ Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
                        " is not above " + std::to_string(before));
     }
     auto edited = edited_clusters(edit);
-    if (!edited) return edited.error();
+    if (!edited.ok()) return edited.error();
     // A removed cluster stays removed: its late solution is material for others (FORMAT.md section
     // 5). It may also be this very solution that removes it.
     const bool was_removed = known != state_.clusters.end() && known->second.removed;
@@ -51,7 +51,7 @@ Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
     SupersededSolutions marked;
     put_clusters(batch, *edited, marked);
     supersede(batch, {cluster.id, before}, whole_before, marked);
-    if (auto written = write(batch); !written) return written;
+    if (auto written = write(batch); !written.ok()) return written.error();
     take_over(*std::move(edited), marked);
     const std::scoped_lock lock(held_mutex_);
     held_models_[solution.cluster] = {solution.revision, solution.model};
@@ -111,7 +111,7 @@ void SessionWriter::put_solution(Batch& batch, const StoredSolution& solution,
 
 Result<std::optional<StoredSolution>> SessionWriter::solution(ClusterId cluster) const {
     auto found = ReaderOf::solution(cluster);
-    if (!found || !found->has_value()) return found;
+    if (!found.ok() || !found->has_value()) return found;
     const std::scoped_lock lock(held_mutex_);
     HeldModel& held = held_models_[cluster];
     if (held.model.expired()) held = {(*found)->revision, (*found)->model};
@@ -144,7 +144,7 @@ Result<SupersededSolutions> SessionWriter::needed_solutions(const ReadView& view
         std::vector<std::uint32_t> chain;
         for (std::uint32_t revision = key.revision; revision != 0;) {
             const auto before = revision_before(view, {key.cluster, revision});
-            if (!before) return before.error();
+            if (!before.ok()) return before.error();
             if (!before->has_value()) break;  // that of a removed cluster, long dropped
             chain.push_back(revision);
             revision = **before;
@@ -178,7 +178,7 @@ Result<void> SessionWriter::drop_history() {
     {
         const ReadView view(database());
         const auto needed = needed_solutions(view);
-        if (!needed) return needed.error();
+        if (!needed.ok()) return needed.error();
         const auto scenes =
             view.for_each(Family::kScenes, {}, [&](std::string_view key, std::string_view) {
                 if (key == encode_key(latest)) return Result<void>();
@@ -186,7 +186,7 @@ Result<void> SessionWriter::drop_history() {
                 found = true;
                 return Result<void>();
             });
-        if (!scenes) return scenes;
+        if (!scenes.ok()) return scenes.error();
         if (!found) return {};
         const auto solutions =
             view.for_each(Family::kSolutions, {}, [&](std::string_view key, std::string_view) {
@@ -197,7 +197,7 @@ Result<void> SessionWriter::drop_history() {
                 state_.superseded.erase(*solution);
                 return Result<void>();
             });
-        if (!solutions) return solutions;
+        if (!solutions.ok()) return solutions.error();
         mark_needed(batch, *needed);
     }
     return write(batch);

@@ -22,7 +22,7 @@ class SessionWriter::Batch {
     explicit Batch(const Database& database) : database_(&database) {}
 
     void put(Family family, RecordKind kind, const std::string& key, Result<std::string> payload) {
-        if (!payload) {
+        if (!payload.ok()) {
             if (!error_) error_ = payload.error();
             return;
         }

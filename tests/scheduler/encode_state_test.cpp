@@ -17,15 +17,34 @@ TEST(EncodeState, SolveStateSurvives) {
                                   .has_strangers = true,
                                   .weaknesses = {5}},
                                  true};
-    const StoredSolveState back = decode_solve_state(encode_solve_state(state));
-    EXPECT_EQ(back.state, state.state);
-    EXPECT_TRUE(back.settled);
+    const auto back = decode_solve_state(encode_solve_state(state));
+    ASSERT_TRUE(back.ok());
+    EXPECT_EQ(back->state, state.state);
+    EXPECT_TRUE(back->settled);
 }
 
-TEST(EncodeState, ForeignSolveStateIsTheDefault) {
+TEST(EncodeState, WhatAnEarlierProgramDidNotKeepIsTheDefault) {
+    for (const char* text : {"", "{}", "{\"a later field\":[]}"}) {
+        const auto state = decode_solve_state(text);
+        ASSERT_TRUE(state.ok()) << text;
+        EXPECT_EQ(state->state, SolveState{}) << text;
+        EXPECT_FALSE(state->settled) << text;
+    }
+    const auto some = decode_solve_state(
+        R"({"images_at_full_adjustment":17,"tolerated_contradiction_deg":null,"settled":true})");
+    ASSERT_TRUE(some.ok());
+    EXPECT_EQ(some->state, SolveState{.images_at_full_adjustment = 17});
+    EXPECT_TRUE(some->settled);
+}
+
+TEST(EncodeState, DamagedSolveStateIsReported) {
     for (const char* text :
-         {"", "{", "[]", "{\"images_at_full_adjustment\":-3,\"settled\":\"yes\"}"}) {
-        EXPECT_EQ(decode_solve_state(text).state, SolveState{}) << text;
+         {"{", "[]", "3", R"({"images_at_full_adjustment":-3})", R"({"settled":"yes"})",
+          R"({"has_strangers":1})", R"({"images_at_places":4294967296})",
+          R"({"tolerated_contradiction_deg":"12"})"}) {
+        const auto state = decode_solve_state(text);
+        ASSERT_FALSE(state.ok()) << text;
+        EXPECT_EQ(state.error().code, ErrorCode::kDamaged);
     }
 }
 

@@ -87,7 +87,7 @@ Result<VerifiedPair> verify_look_alike(const LookAlikeScene& scene, const LookAl
         mix_seed(mix_seed(mix_seed(scene.scene.seed, 39), index_of(pair.pair.first)),
                  index_of(pair.pair.second));
     auto geometry = verify_pair(views, options, seed);
-    if (!geometry) return geometry.error();
+    if (!geometry.ok()) return geometry.error();
     return VerifiedPair{pair.pair, *std::move(geometry)};
 }
 

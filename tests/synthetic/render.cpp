@@ -40,7 +40,7 @@ PhotoExif exif_of(const PhotoSetOptions& options, const PlannedPhoto& photo) {
 
 Result<PhotoPlan> render_photographs(const PhotoSetOptions& options, std::uint64_t seed,
                                      const std::filesystem::path& folder) {
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     std::error_code failure;
     for (const char* part : {"images", "gt"}) {
         std::filesystem::create_directories(folder / part, failure);
@@ -50,7 +50,7 @@ Result<PhotoPlan> render_photographs(const PhotoSetOptions& options, std::uint64
         }
     }
     PhotoPlan plan = plan_photographs(options, seed);
-    if (const auto written = write_colmap_truth(plan, folder / "gt"); !written)
+    if (const auto written = write_colmap_truth(plan, folder / "gt"); !written.ok())
         return written.error();
 
     const PhotoWorld world = make_photo_world(options.scene, options.texels_per_metre, seed);
@@ -71,11 +71,11 @@ Result<PhotoPlan> render_photographs(const PhotoSetOptions& options, std::uint64
             const PlannedPhoto& photo = plan.photos[first + i];
             if (options.exif) {
                 auto tagged = add_exif(jpegs[i], exif_of(options, photo));
-                if (!tagged) return tagged.error();
+                if (!tagged.ok()) return tagged.error();
                 jpegs[i] = std::move(tagged).value();
             }
             const auto written = write_photo(folder / "images" / photo.name, jpegs[i]);
-            if (!written) return written.error();
+            if (!written.ok()) return written.error();
         }
     }
     return plan;

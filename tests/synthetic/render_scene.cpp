@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
     if (gps) options.gps.emplace();
     if (*portrait) options.portrait_every = portrait_every;
     const auto plan = psfm::synthetic::render_photographs(options, seed, folder);
-    if (!plan) {
+    if (!plan.ok()) {
         std::cerr << "psfm-render-scene: " << plan.error().message << '\n';
         return plan.error().code == psfm::ErrorCode::kInvalidArgument ? 2 : 3;
     }

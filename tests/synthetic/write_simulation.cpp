@@ -87,7 +87,7 @@ Result<void> validate(const SimulationOptions& options) {
 Result<SimulationSummary> write_simulation(const LookAlikeScene& scene,
                                            const SimulationOptions& options,
                                            const std::filesystem::path& folder) {
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     const std::filesystem::path reference = folder / "reference";
     std::error_code code;
     if (std::filesystem::exists(folder, code) && !std::filesystem::is_directory(folder, code)) {
@@ -105,19 +105,20 @@ Result<SimulationSummary> write_simulation(const LookAlikeScene& scene,
 
     const std::map<CameraId, Camera> cameras = exif_cameras(scene, options.focal_error);
     const auto writer = ColmapDatabaseWriter::create(folder / "database.db");
-    if (!writer) return writer.error();
-    if (auto added = add_images(scene, cameras, **writer); !added) return added.error();
-    if (auto added = add_pairs(scene, cameras, options, **writer, summary); !added) {
+    if (!writer.ok()) return writer.error();
+    if (auto added = add_images(scene, cameras, **writer); !added.ok()) return added.error();
+    if (auto added = add_pairs(scene, cameras, options, **writer, summary); !added.ok()) {
         return added.error();
     }
-    if (auto done = (*writer)->finish(); !done) return done.error();
-    if (auto done = write_colmap_truth(scene.scene, scene.names, reference); !done) {
+    if (auto done = (*writer)->finish(); !done.ok()) return done.error();
+    if (auto done = write_colmap_truth(scene.scene, scene.names, reference); !done.ok()) {
         return done.error();
     }
-    if (auto done = write_order(scene, scene.order, folder / "order.txt"); !done)
+    if (auto done = write_order(scene, scene.order, folder / "order.txt"); !done.ok())
         return done.error();
     if (scene.order_by_district.empty()) return summary;
-    if (auto done = write_order(scene, scene.order_by_district, folder / "districts.txt"); !done)
+    if (auto done = write_order(scene, scene.order_by_district, folder / "districts.txt");
+        !done.ok())
         return done.error();
     return summary;
 }

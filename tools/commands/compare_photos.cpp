@@ -64,6 +64,7 @@ void tell_of_late_masks(const std::string& masks, const std::vector<Image>& imag
         const auto mask = find_mask(masks, {fs::path(), image.name});
         if (!mask) continue;
         const auto hash = content_hash_of({*mask, image.name}, std::uint64_t{1} << 32U);
+        // Expected: a mask that cannot be read is told of when a photograph wants it
         if (hash.ok() && *hash != source.mask_hash) late.push_back(image.name);
     }
     if (late.empty()) return;
@@ -95,11 +96,14 @@ Result<void> compare_photos(RunRequest& request, const SessionReader& store, boo
     if (!sources.ok()) return sources.error();
     const std::vector<Image>& images = *read;
     const auto settings = store.settings();  // none in a new session
+    if (!settings.ok() && settings.error().code != ErrorCode::kNotFound) return settings.error();
+    // Expected: not found, a new session's
     const fs::path previous_folder = settings.ok() ? settings->photo_folder : std::string();
     const std::string& masks = request.config.masks;
     // All that the folder has: files may have changed their names among themselves, whatever an
     // order says.
     std::vector<PhotoFile> all;
+    // Expected: the input may be a file, or gone; then no file of it has changed its name
     if (const auto listing = list_photos(request.input); listing.ok()) all = listing->photos;
     tell_of_masks_aside(set_masks_aside(all, masks), masks);
     if (!masks.empty()) {

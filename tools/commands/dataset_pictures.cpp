@@ -89,7 +89,7 @@ Result<std::uint32_t> view_for(const Camera& camera, std::uint8_t quarter_turns,
             return v;
     }
     auto view = make_undistorted_view(camera, quarter_turns, options.view);
-    if (!view) return view.error();
+    if (!view.ok()) return view.error();
     views.push_back(*std::move(view));
     return static_cast<std::uint32_t>(views.size() - 1);
 }
@@ -170,7 +170,7 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
         const std::uint8_t orientation = photo->metadata.orientation;
         const auto view = view_for(model.find_camera(image.camera_id)->camera,
                                    upright_quarter_turns(orientation), options, plan.record.views);
-        if (!view) return view.error();
+        if (!view.ok()) return view.error();
         const std::string& stem = names[static_cast<std::size_t>(photo - images.data())];
         const std::string name = stem + picture_extension(photo->name, options.picture.format);
         plan.images.push_back(DatasetImage{*view, name});
@@ -213,7 +213,7 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
                                           task.photo->metadata.orientation, view, options);
         Result<void> written;
         const auto places = picture_places(image.name, options);
-        for (std::size_t k = 0; made && written && k < places.size(); ++k) {
+        for (std::size_t k = 0; made.ok() && written.ok() && k < places.size(); ++k) {
             const std::size_t pictures = made->bytes.size();
             const auto& bytes = k < pictures ? made->bytes[k] : made->masks[k - pictures];
             written = files.write(place / places[k],
@@ -221,9 +221,9 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
         }
         const std::lock_guard lock(mutex);
         line.advance();
-        if (!made) left_out[t] = made.error().message;
-        if (!written && !failure) failure = written.error();
-        if (made) plan.record.pictures.at(image.name).bytes = made->bytes.front().size();
+        if (!made.ok()) left_out[t] = made.error().message;
+        if (!written.ok() && !failure) failure = written.error();
+        if (made.ok()) plan.record.pictures.at(image.name).bytes = made->bytes.front().size();
     };
     // One at a time: each is long, and their sizes differ.
     tbb::parallel_for(

@@ -55,7 +55,7 @@ NamedModel named_model(std::string name, const ExportedModel& model) {
 /// Poses only: neither cameras nor features matter, so camera models beyond psfm's are welcome.
 Result<NamedModel> read_named_model(const std::filesystem::path& folder) {
     const auto model = read_colmap_model(folder, {.cameras = false, .keypoints = false});
-    if (!model) return model.error();
+    if (!model.ok()) return model.error();
     return named_model(folder.string(), *model);
 }
 
@@ -63,10 +63,10 @@ Result<std::vector<NamedModel>> read_named_models(const std::vector<std::string>
     std::vector<NamedModel> models;
     for (const std::string& path : paths) {
         const auto folders = find_colmap_models(path);
-        if (!folders) return folders.error();
+        if (!folders.ok()) return folders.error();
         for (const std::filesystem::path& folder : *folders) {
             auto model = read_named_model(folder);
-            if (!model) return model.error();
+            if (!model.ok()) return model.error();
             models.push_back(*std::move(model));
         }
     }
@@ -76,7 +76,7 @@ Result<std::vector<NamedModel>> read_named_models(const std::vector<std::string>
 /// The effective clusters of a scene, largest first.
 Result<std::vector<NamedModel>> named_models(const Scene& scene, const std::vector<Image>& images) {
     const auto exported = export_models(scene, images, {}, FeatureUse::kNone);
-    if (!exported) return exported.error();
+    if (!exported.ok()) return exported.error();
     std::vector<NamedModel> models;
     for (const ExportedModel& model : *exported) {
         models.push_back(named_model("effective cluster " + std::to_string(models.size()), model));
@@ -96,16 +96,16 @@ Result<std::vector<EvaluatedVersion>> evaluate_versions(const NamedModel& refere
     std::vector<EvaluatedVersion> versions;
     for (std::uint32_t count = 1; count <= images.size(); ++count) {
         const auto scene = session.scene_after(count);
-        if (!scene && scene.error().code == ErrorCode::kNotFound) continue;
-        if (!scene) return scene.error();
+        if (!scene.ok() && scene.error().code == ErrorCode::kNotFound) continue;
+        if (!scene.ok()) return scene.error();
         if (scene->image_count != count)
             continue;  // an earlier version, which is in the list already
         const auto models = named_models(*scene, images);
-        if (!models) return models.error();
+        if (!models.ok()) return models.error();
         std::vector<std::vector<NamedPose>> poses;
         for (const NamedModel& model : *models) poses.push_back(model.poses);
         const auto outliers = summed_outliers(reference.poses, poses);
-        if (!outliers) return outliers.error();
+        if (!outliers.ok()) return outliers.error();
         EvaluatedVersion version{
             count, placed_count(*scene), scene->effective_clusters, *outliers, {}};
         if (!models->empty()) version.largest = evaluate(reference, models->front());
@@ -123,11 +123,11 @@ Error no_model_yet(const std::string& session, std::size_t images) {
 
 int run_evaluate(const EvaluateArguments& arguments) {
     const auto reference_folders = find_colmap_models(arguments.reference);
-    if (!reference_folders)
+    if (!reference_folders.ok())
         return report_error(reference_folders.error(), ErrorOrigin::kOtherInput);
     const auto reference = read_named_model(reference_folders->front());
-    if (!reference) return report_error(reference.error(), ErrorOrigin::kOtherInput);
-    if (const auto usable = outlier_threshold(reference->poses, {}); !usable) {
+    if (!reference.ok()) return report_error(reference.error(), ErrorOrigin::kOtherInput);
+    if (const auto usable = outlier_threshold(reference->poses, {}); !usable.ok()) {
         return report_error(
             {usable.error().code, arguments.reference + ": " + usable.error().message},
             ErrorOrigin::kOtherInput);
@@ -139,23 +139,23 @@ int run_evaluate(const EvaluateArguments& arguments) {
     std::vector<NamedModel> models;
     if (!arguments.session.empty()) {
         const auto session = open_session_reader(arguments.session, StoreOptions{});
-        if (!session) return report_error(session.error());
+        if (!session.ok()) return report_error(session.error());
         const auto scene = (*session)->scene();
-        if (!scene) return report_error(scene.error());
+        if (!scene.ok()) return report_error(scene.error());
         const auto images = (*session)->images();
-        if (!images) return report_error(images.error());
+        if (!images.ok()) return report_error(images.error());
         auto in_session = named_models(*scene, *images);
-        if (!in_session) return report_error(in_session.error());
+        if (!in_session.ok()) return report_error(in_session.error());
         models = *std::move(in_session);
         if (models.empty()) return report_error(no_model_yet(arguments.session, images->size()));
         if (arguments.every_image) {
             auto versions = evaluate_versions(*reference, **session, *images);
-            if (!versions) return report_error(versions.error());
+            if (!versions.ok()) return report_error(versions.error());
             report.versions = *std::move(versions);
         }
     } else {
         auto read = read_named_models(arguments.models);
-        if (!read) return report_error(read.error(), ErrorOrigin::kOtherInput);
+        if (!read.ok()) return report_error(read.error(), ErrorOrigin::kOtherInput);
         models = *std::move(read);
     }
 

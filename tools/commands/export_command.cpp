@@ -82,18 +82,18 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     const auto format = export_format_from_name(arguments.format);
     if (!format) return kUsageError;  // the option's check has refused it already
     const auto session = open_session_reader(arguments.session, StoreOptions{});
-    if (!session) return report_error(session.error());
+    if (!session.ok()) return report_error(session.error());
     const auto scene = scene_to_export(**session, arguments);
-    if (!scene) return report_error(scene.error());
+    if (!scene.ok()) return report_error(scene.error());
     const auto images = (*session)->images();
-    if (!images) return report_error(images.error());
+    if (!images.ok()) return report_error(images.error());
     const auto settings = (*session)->settings();
-    if (!settings) return report_error(settings.error());
+    if (!settings.ok()) return report_error(settings.error());
 
     auto models = export_models(
         *scene, *images, [&](ImageId image) { return (*session)->keypoints(image); },
         feature_use(*format));
-    if (!models) return report_error(models.error());
+    if (!models.ok()) return report_error(models.error());
     if (models->empty()) return report_error(no_model(arguments, scene->image_count));
     if (arguments.after_image.value_or(0) > images->size()) {
         std::cerr << "psfm: the session has " << counted(images->size(), "image")
@@ -122,12 +122,14 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     options.geo_files = geo_files(reference, parts, known);
     const auto config = decode_config(settings->settings_json);
     const bool colmap = *format == ExportFormat::kColmap || *format == ExportFormat::kColmapText;
-    if (config && colmap && !config->image_ids.empty()) {
+    if (!config.ok()) {
+        std::cerr << "psfm: " << config.error().message << "; images have the session's numbers\n";
+    } else if (colmap && !config->image_ids.empty()) {
         for (ExportedModel& model : *models)
             model = renumbered(std::move(model), config->image_ids, config->camera_ids);
     }
     const auto written = write_models(*models, *format, arguments.output, options);
-    if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
+    if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);
     print_summary(*models, *written);
     if (reference)
         std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;

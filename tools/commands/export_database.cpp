@@ -45,17 +45,17 @@ struct Contents {
 std::optional<Failure> write_images(const SessionReader& session, const Contents& contents,
                                     ColmapDatabaseWriter& writer, Totals& totals) {
     for (const auto& [id, camera] : contents.cameras) {
-        if (auto done = writer.add_camera(id, camera); !done) return of_output(done.error());
+        if (auto done = writer.add_camera(id, camera); !done.ok()) return of_output(done.error());
     }
     CountLine line(" images written", contents.images.size());
     for (const Image& image : contents.images) {
         if (contents.sources[index_of(image.id)].removed) continue;
         const auto keypoints = session.keypoints(image.id);
-        if (!keypoints) return of_session(keypoints.error());
+        if (!keypoints.ok()) return of_session(keypoints.error());
         const auto descriptors = session.descriptors(image.id);
-        if (!descriptors) return of_session(descriptors.error());
+        if (!descriptors.ok()) return of_session(descriptors.error());
         auto done = writer.add_image(image, **keypoints, **descriptors);
-        if (!done) return of_output(done.error());
+        if (!done.ok()) return of_output(done.error());
         totals.features += (*keypoints)->size();
         line.advance();
     }
@@ -65,14 +65,14 @@ std::optional<Failure> write_images(const SessionReader& session, const Contents
 std::optional<Failure> write_pairs(const SessionReader& session, const Contents& contents,
                                    ColmapDatabaseWriter& writer, Totals& totals) {
     const auto verified = session.verified_image_count();
-    if (!verified) return of_session(verified.error());
+    if (!verified.ok()) return of_session(verified.error());
     const auto camera_of = [&](ImageId image) -> const Camera& {
         return contents.cameras.at(contents.images[index_of(image)].camera);
     };
     CountLine line(" images with their pairs written", *verified);
     for (std::uint32_t i = 0; i < *verified; ++i) {
         const auto pairs = session.pairs_of(ImageId{i});
-        if (!pairs) return of_session(pairs.error());
+        if (!pairs.ok()) return of_session(pairs.error());
         for (const VerifiedPairPtr& pair : *pairs) {
             if (index_of(pair->pair.second) >= contents.images.size()) {
                 return of_session(
@@ -83,7 +83,7 @@ std::optional<Failure> write_pairs(const SessionReader& session, const Contents&
             if (is_still_only(pair->geometry)) continue;
             auto done =
                 writer.add_pair(*pair, camera_of(pair->pair.first), camera_of(pair->pair.second));
-            if (!done) return of_output(done.error());
+            if (!done.ok()) return of_output(done.error());
             totals.matches += pair->geometry.inliers.size();
             ++totals.pairs;
         }
@@ -111,18 +111,19 @@ Result<void> check_output(const std::filesystem::path& file, const PreviousExpor
 std::optional<Failure> write_database(const SessionReader& session, const Contents& contents,
                                       const std::filesystem::path& file, Totals& totals) {
     auto previous = PreviousExport::read(file.parent_path());
-    if (!previous) return of_output(previous.error());
-    if (auto checked = check_output(file, *previous); !checked) return of_output(checked.error());
+    if (!previous.ok()) return of_output(previous.error());
+    if (auto checked = check_output(file, *previous); !checked.ok())
+        return of_output(checked.error());
     previous->add(file);
     StagedFiles files;  // outlives the writer: the folder goes when nothing is left in it
-    if (auto staged = previous->stage(files); !staged) return of_output(staged.error());
+    if (auto staged = previous->stage(files); !staged.ok()) return of_output(staged.error());
     const auto writer = ColmapDatabaseWriter::create(file);
-    if (!writer) return of_output(writer.error());
+    if (!writer.ok()) return of_output(writer.error());
     if (auto failure = write_images(session, contents, **writer, totals)) return failure;
     if (auto failure = write_pairs(session, contents, **writer, totals)) return failure;
     // The list comes first: should the machine stop here, the database is no stranger.
-    if (auto committed = files.commit(); !committed) return of_output(committed.error());
-    if (auto done = (*writer)->finish(); !done) return of_output(done.error());
+    if (auto committed = files.commit(); !committed.ok()) return of_output(committed.error());
+    if (auto done = (*writer)->finish(); !done.ok()) return of_output(done.error());
     return std::nullopt;
 }
 
@@ -130,18 +131,18 @@ std::optional<Failure> write_database(const SessionReader& session, const Conten
 
 int export_database(const std::string& session, const std::filesystem::path& folder) {
     const auto reader = open_session_reader(session, StoreOptions{});
-    if (!reader) return report_error(reader.error());
+    if (!reader.ok()) return report_error(reader.error());
     auto images = (*reader)->images();
-    if (!images) return report_error(images.error());
+    if (!images.ok()) return report_error(images.error());
     auto cameras = (*reader)->cameras();
-    if (!cameras) return report_error(cameras.error());
+    if (!cameras.ok()) return report_error(cameras.error());
     if (images->empty()) {
         return report_error({ErrorCode::kNotFound, session +
                                                        ": the session has no images yet; `psfm "
                                                        "status` says what it has seen"});
     }
     auto sources = (*reader)->image_sources();
-    if (!sources) return report_error(sources.error());
+    if (!sources.ok()) return report_error(sources.error());
     const Contents contents{*std::move(images), *std::move(sources), *std::move(cameras)};
     const std::filesystem::path file = folder / "database.db";
     Totals totals;

@@ -51,20 +51,21 @@ Result<Contents> read_session(const SessionReader& session,
                               std::optional<std::uint32_t> after_image) {
     Contents contents;
     auto scene = after_image ? session.scene_after(*after_image) : session.scene();
-    if (!scene) return scene.error();
+    if (!scene.ok()) return scene.error();
     contents.scene = *std::move(scene);
     auto images = session.images();
-    if (!images) return images.error();
+    if (!images.ok()) return images.error();
     contents.images = *std::move(images);
     const auto settings = session.settings();
-    if (!settings) return settings.error();
+    if (!settings.ok()) return settings.error();
     contents.photo_folder = settings->photo_folder;
-    if (const auto config = decode_config(settings->settings_json))
-        contents.mask_folder = config->masks;
+    const auto config = decode_config(settings->settings_json);
+    if (!config.ok()) return config.error();
+    contents.mask_folder = config->masks;
     auto models = export_models(
         contents.scene, contents.images, [&](ImageId image) { return session.keypoints(image); },
         FeatureUse::kObserved);
-    if (!models) return models.error();
+    if (!models.ok()) return models.error();
     contents.models = *std::move(models);
     return contents;
 }
@@ -175,23 +176,23 @@ class DatasetExport {
         const ExportedModel& model = contents_.models[n];
         const std::filesystem::path place = place_of(n);
         auto plan = plan_pictures(model, contents_.images, names_, photos_, place, options_);
-        if (!plan) return of_output(plan.error());
+        if (!plan.ok()) return of_output(plan.error());
         for (const auto& image : plan->images) {
             if (!image) continue;
             for (const auto& path : picture_places(image->name, options_.picture)) {
-                if (auto ours = claim(place / path); !ours) return of_output(ours.error());
+                if (auto ours = claim(place / path); !ours.ok()) return of_output(ours.error());
             }
         }
         std::vector<std::filesystem::path> others = dataset_model_files(place);
         others.push_back(place / kDatasetRecordName);
         for (const auto& path : others) {
-            if (auto ours = claim(path); !ours) return of_output(ours.error());
+            if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
         }
         for (const std::string& folder : picture_folders(options_.picture))
             remove_leftovers(place / folder);
         const std::size_t wanted = plan->tasks.size();
         auto left_out = make_pictures(*plan, photos_, place, options_.picture, files_);
-        if (!left_out) return of_output(left_out.error());
+        if (!left_out.ok()) return of_output(left_out.error());
         const auto pictures = static_cast<std::size_t>(std::ranges::count_if(
             plan->images, [](const auto& image) { return image.has_value(); }));
         if (pictures == 0) return of_output(no_photographs(place, *left_out));
@@ -199,7 +200,7 @@ class DatasetExport {
         const ExportedModel undistorted =
             dataset_model(model, plan->record.views, plan->images, parts_.back().origin);
         if (auto staged = stage_dataset(undistorted, place, options_.picture.masks, files_);
-            !staged)
+            !staged.ok())
             return of_output(staged.error());
         records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
         // Names of those that were left out are given up again.
@@ -241,10 +242,10 @@ class DatasetExport {
         const auto reference = world_reference_of(contents_.models, known);
         for (const auto& [name, text] : geo_files(reference, parts_, known)) {
             const std::filesystem::path path = output_ / name;
-            if (auto ours = claim(path); !ours) return of_output(ours.error());
+            if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
             auto staged =
                 files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
-            if (!staged) return of_output(staged.error());
+            if (!staged.ok()) return of_output(staged.error());
         }
         if (reference)
             summary_.push_back((output_ / "geo.txt").string() + ": " + describe(*reference));
@@ -269,15 +270,15 @@ class DatasetExport {
         for (const auto& path : ours_) previous_.add(path);
         // The list comes first: should the machine stop between two files, none is a stranger.
         StagedFiles list;
-        if (auto staged = previous_.stage(list); !staged) return of_output(staged.error());
-        if (auto done = list.commit(); !done) return of_output(done.error());
+        if (auto staged = previous_.stage(list); !staged.ok()) return of_output(staged.error());
+        if (auto done = list.commit(); !done.ok()) return of_output(done.error());
         // Records come last: a picture counts as made once all are in their places.
         for (const auto& [path, text] : records_) {
             auto staged =
                 files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
-            if (!staged) return of_output(staged.error());
+            if (!staged.ok()) return of_output(staged.error());
         }
-        if (auto done = files_.commit(); !done) return of_output(done.error());
+        if (auto done = files_.commit(); !done.ok()) return of_output(done.error());
         return std::nullopt;
     }
 
@@ -318,9 +319,9 @@ std::optional<Failure> check_parts(const Contents& contents, const std::string& 
 int export_dataset(const std::string& session, const std::string& output,
                    std::optional<std::uint32_t> after_image, const DatasetArguments& arguments) {
     const auto reader = open_session_reader(session, StoreOptions{});
-    if (!reader) return report_error(reader.error());
+    if (!reader.ok()) return report_error(reader.error());
     const auto contents = read_session(**reader, after_image);
-    if (!contents) return report_error(contents.error());
+    if (!contents.ok()) return report_error(contents.error());
     if (const auto failure = check_parts(*contents, session, arguments))
         return report_error(failure->error, failure->origin);
     std::error_code ignored;
@@ -330,7 +331,7 @@ int export_dataset(const std::string& session, const std::string& output,
             ErrorOrigin::kOtherInput);
     }
     auto previous = PreviousExport::read(output);
-    if (!previous) return report_error(previous.error(), ErrorOrigin::kOtherInput);
+    if (!previous.ok()) return report_error(previous.error(), ErrorOrigin::kOtherInput);
     const ThreadBudget budget(arguments.threads);
     DatasetExport dataset(*contents, arguments, output, *std::move(previous));
     const auto failure = dataset.run();

@@ -33,14 +33,14 @@ fs::path absolute(const std::string& path) {
 Result<ForeignModel> read_model(const ModelImportArguments& arguments,
                                 const ColmapDatabase* database) {
     const auto folders = find_colmap_models(arguments.model);
-    if (!folders) return folders.error();
+    if (!folders.ok()) return folders.error();
     if (folders->size() > 1) {
         return Error{ErrorCode::kInvalidArgument,
                      arguments.model + " has " + counted(folders->size(), "model") +
                          ": name one of them, " + folders->front().string() + " for instance"};
     }
     auto model = read_colmap_model(folders->front());
-    if (!model) return model.error();
+    if (!model.ok()) return model.error();
     if (model->images.size() < 2) {
         return Error{ErrorCode::kTooFewMatches,
                      arguments.model + " places " + counted(model->images.size(), "image") +
@@ -92,12 +92,12 @@ std::optional<Failure> make_session(const SessionArguments& session, const Forei
         StoreOptions options;
         options.cache_bytes = session.cache_mib << 20U;
         auto store = SessionStore::open(beside, options);
-        if (!store) return Failure{store.error(), ErrorOrigin::kSession};
+        if (!store.ok()) return Failure{store.error(), ErrorOrigin::kSession};
         auto kept = (*store)->put_settings({foreign.photo_folder.string(), encode_config(config)});
-        if (!kept) return Failure{kept.error(), ErrorOrigin::kSession};
+        if (!kept.ok()) return Failure{kept.error(), ErrorOrigin::kSession};
         CountLine line(" images of the model taken over", foreign.model.images.size());
         auto made = begin_from_model(**store, foreign, config, [&] { line.advance(); });
-        if (!made) {
+        if (!made.ok()) {
             store->reset();
             fs::remove_all(beside, failure);
             return Failure{made.error()};
@@ -130,12 +130,12 @@ std::optional<Failure> begin(const SessionArguments& session, const ModelImportA
     std::unique_ptr<ColmapDatabase> database;
     if (!arguments.database.empty()) {
         auto opened = ColmapDatabase::open(arguments.database);
-        if (!opened) return Failure{opened.error()};
+        if (!opened.ok()) return Failure{opened.error()};
         database = *std::move(opened);
     }
     const auto foreign = read_model(arguments, database.get());
-    if (!foreign) return Failure{foreign.error()};
-    if (auto checked = check_photographs(*foreign); !checked) return Failure{checked.error()};
+    if (!foreign.ok()) return Failure{foreign.error()};
+    if (auto checked = check_photographs(*foreign); !checked.ok()) return Failure{checked.error()};
     remember_ids(foreign->model, config);
     config.keep_world = true;
     config.order.clear();  // of what comes after
@@ -154,11 +154,11 @@ bool is_session(const std::string& folder) {
 /// Whether the folder has a photograph that the session has not looked at.
 Result<bool> has_new_photographs(const std::string& session, const fs::path& folder) {
     const auto reader = open_session_reader(session, StoreOptions{});
-    if (!reader) return reader.error();
+    if (!reader.ok()) return reader.error();
     const auto known = known_names(**reader);
-    if (!known) return known.error();
+    if (!known.ok()) return known.error();
     const auto listing = list_photos(folder);
-    if (!listing) return false;
+    if (!listing.ok()) return false;  // Expected: a folder that is gone has none
     for (const PhotoFile& photo : listing->photos) {
         if (!known->contains(photo.name)) return true;
     }
@@ -175,19 +175,19 @@ int import_model(const CLI::App& command, const SessionArguments& session,
     }
     const auto names = [&]() -> Result<std::vector<std::string>> {
         auto listing = list_photos(arguments.images);
-        if (!listing) return listing.error();
+        if (!listing.ok()) return listing.error();
         std::vector<std::string> all;
         for (const PhotoFile& photo : listing->photos) all.push_back(photo.name);
         return all;
     };
     auto config = config_from(session, names);
-    if (!config) return report_error(config.error(), ErrorOrigin::kOtherInput);
+    if (!config.ok()) return report_error(config.error(), ErrorOrigin::kOtherInput);
     if (!is_session(session.session)) {
         if (const auto failure = begin(session, arguments, *config))
             return report_error(failure->error, failure->origin);
     }
     const auto more = has_new_photographs(session.session, arguments.images);
-    if (!more) return report_error(more.error());
+    if (!more.ok()) return report_error(more.error());
     if (*more) return start_session(command, session, arguments.images, *std::move(config), false);
     std::cout << "no photograph of " << arguments.images
               << " is new; take the model out with: " << command_line("export", session.session)

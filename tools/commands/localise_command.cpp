@@ -52,18 +52,18 @@ Result<OpenSession> open_session(const LocaliseArguments& arguments) {
     StoreOptions options;
     options.cache_bytes = arguments.cache_mib << 20U;
     auto reader = open_session_reader(arguments.session, options);
-    if (!reader) return reader.error();
+    if (!reader.ok()) return reader.error();
     session.reader = *std::move(reader);
     const auto settings = session.reader->settings();
-    if (!settings) return settings.error();
+    if (!settings.ok()) return settings.error();
     auto config = decode_config(settings->settings_json);
-    if (!config) return config.error();
+    if (!config.ok()) return config.error();
     session.config = *std::move(config);
     auto images = session.reader->images();
-    if (!images) return images.error();
+    if (!images.ok()) return images.error();
     session.images = *std::move(images);
     const auto scene = session.reader->scene();
-    if (!scene) return scene.error();
+    if (!scene.ok()) return scene.error();
     session.map = std::make_unique<LocalisationMap>(*scene);
     if (session.map->places().empty()) {
         return Error{ErrorCode::kNotFound,
@@ -72,7 +72,7 @@ Result<OpenSession> open_session(const LocaliseArguments& arguments) {
     std::size_t with_descriptors = 0;
     for (const auto& [image, place] : session.map->places()) {
         const auto descriptors = session.reader->descriptors(image);
-        if (!descriptors) return descriptors.error();
+        if (!descriptors.ok()) return descriptors.error();
         if ((*descriptors)->rows() > 0) ++with_descriptors;
         session.map->add(image, **descriptors, {});
     }
@@ -103,7 +103,7 @@ Result<std::vector<PhotoFile>> photos_of(const std::vector<std::string>& argumen
             continue;
         }
         auto listing = list_photos(argument);
-        if (!listing) return listing.error();
+        if (!listing.ok()) return listing.error();
         for (PhotoFile& photo : listing->photos) {
             photo.name = (fs::path(argument) / photo.name).generic_string();
             photos.push_back(std::move(photo));
@@ -128,9 +128,9 @@ std::pair<Camera, bool> camera_for(const OpenSession& session, const PhotoMetada
 
 Result<LocalisedPhoto> localise(const OpenSession& session, const PhotoFile& photo) {
     const auto options = stage_options(session.config);
-    if (!options) return options.error();
+    if (!options.ok()) return options.error();
     const auto extracted = run_features(photo, options->features);
-    if (!extracted) return extracted.error();
+    if (!extracted.ok()) return extracted.error();
     const std::string name = fs::path(photo.name).filename().string();
     const auto [camera, is_guess] = camera_for(session, extracted->metadata, name);
     return localise_photo(
@@ -145,7 +145,7 @@ Json json_of(const Eigen::Vector3d& vector) {
 Json json_of(const OpenSession& session, const PhotoFile& photo,
              const Result<LocalisedPhoto>& found) {
     Json json{{"name", photo.name}, {"localised", found.ok()}};
-    if (!found) {
+    if (!found.ok()) {
         json["reason"] = found.error().message;
         return json;
     }
@@ -188,7 +188,7 @@ Json json_of(const OpenSession& session, const PhotoFile& photo,
 std::string text_of(const OpenSession& session, const PhotoFile& photo,
                     const Result<LocalisedPhoto>& found) {
     std::ostringstream text;
-    if (!found) {
+    if (!found.ok()) {
         const std::string& reason = found.error().message;
         text << (reason.starts_with(photo.name) ? "" : photo.name + ": ")
              << "not localised: " << reason;
@@ -213,9 +213,9 @@ std::string text_of(const OpenSession& session, const PhotoFile& photo,
 int run_localise(const LocaliseArguments& arguments) {
     const ThreadBudget budget(arguments.threads);
     const auto session = open_session(arguments);
-    if (!session) return report_error(session.error());
+    if (!session.ok()) return report_error(session.error());
     const auto photos = photos_of(arguments.photos);
-    if (!photos) return report_error(photos.error(), ErrorOrigin::kOtherInput);
+    if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
     Json all = Json::array();
     std::size_t localised = 0;
     std::size_t readable = 0;

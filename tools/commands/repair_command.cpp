@@ -93,6 +93,7 @@ Result<std::vector<PhotoFile>> photos_to_accept(const SessionReader& damaged,
                                                 const RunRequest& request) {
     std::set<std::string> known;
     for (const Image& image : intact.images) known.insert(image.name);
+    // Expected: where these are damaged their photographs are looked at again
     if (const auto rejected = damaged.rejected(); rejected.ok()) {
         for (const RejectedPhoto& photo : *rejected) known.insert(photo.name);
     }
@@ -104,6 +105,7 @@ Result<std::vector<PhotoFile>> photos_to_accept(const SessionReader& damaged,
     arriving.reserve(request.config.order.size());
     for (const std::string& name : request.config.order) arriving.push_back(photo_of(name));
     if (arriving.empty()) {
+        // Expected: a folder that is gone has no photographs; what was extracted is taken over
         if (auto listed = photos_by_name(request); listed.ok())
             arriving = std::move(listed->photos);
     }
@@ -133,29 +135,30 @@ Result<void> keep_out(const SessionReader& damaged, const IntactImages& intact,
         if (intact.removed.contains(image.id)) names.insert(image.name);
     }
     const auto rejected = damaged.rejected();
-    if (!rejected.ok()) return {};  // damaged: they may come in again
+    if (!rejected.ok()) return {};  // Expected: damaged; they may come in again
     for (const RejectedPhoto& photo : *rejected) {
         if (!names.contains(photo.name)) continue;
-        if (auto stored = repaired.commit_rejected(photo); !stored.ok()) return stored;
+        if (auto stored = repaired.commit_rejected(photo); !stored.ok()) return stored.error();
     }
     return {};
 }
 
 /// Says what was taken over, and names what could not be recomputed. @return images lost
-std::size_t tell_outcome(const Salvage& salvage, const IntactImages& intact,
-                         const SessionReader& repaired) {
+/// @errors those of the store
+Result<std::size_t> tell_outcome(const Salvage& salvage, const IntactImages& intact,
+                                 const SessionReader& repaired) {
     std::cout << "taken over: " << salvage.images_taken_over << " images, "
               << salvage.pair_lists_taken_over
               << " lists of pairs; recomputed: " << salvage.images_extracted << " images, "
               << salvage.pair_lists_verified << " lists of pairs, all clusters and models\n";
     const auto images = repaired.images();
+    if (!images.ok()) return images.error();
     std::set<std::string> there;
-    for (const Image& image : images.ok() ? *images : std::vector<Image>{})
-        there.insert(image.name);
+    for (const Image& image : *images) there.insert(image.name);
+    const auto rejected = repaired.rejected();
+    if (!rejected.ok()) return rejected.error();
     std::map<std::string, std::string> reasons;
-    if (const auto rejected = repaired.rejected(); rejected.ok()) {
-        for (const RejectedPhoto& photo : *rejected) reasons[photo.name] = photo.reason;
-    }
+    for (const RejectedPhoto& photo : *rejected) reasons[photo.name] = photo.reason;
     for (const Image& image : intact.images) {
         if (!there.contains(image.name) && !intact.removed.contains(image.id))
             std::cout << "LOST " << image.name << ": " << reasons[image.name] << '\n';
@@ -181,7 +184,8 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     const auto settings = patient.reader->settings();
     if (!settings.ok()) {
         std::cerr << "psfm: the settings of " << quoted(folders.session)
-                  << " are lost and cannot be recomputed; run its photographs into a new session\n";
+                  << " are lost and cannot be recomputed (" << settings.error().message
+                  << "); run its photographs into a new session\n";
         patient.reader.reset();
         std::error_code stays;
         fs::remove_all(folders.rebuilt, stays);
@@ -218,7 +222,9 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
         if (const auto done = keep_out(*patient.reader, *intact, **store); !done.ok())
             return report_error(done.error());
         if (const int code = run_and_report(**store, request); code != 0) return code;
-        lost = tell_outcome(salvage, *intact, **store);
+        const auto told = tell_outcome(salvage, *intact, **store);
+        if (!told.ok()) return report_error(told.error());
+        lost = *told;
     }
     patient.reader.reset();
     if (const auto done = change_names(folders); !done.ok()) return report_error(done.error());

@@ -210,6 +210,7 @@ int serve_session(const ServeRequest& request) {
     }
     served.server->stop();
     if (!run.ok()) return report_error(run.error());
+    for (const std::string& remark : run->remarks) std::cerr << "psfm: " << remark << '\n';
     std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
               << command_line("serve", request.session) << " --listen " << request.listen << '\n';
     return 0;
@@ -237,11 +238,14 @@ int view_session(const std::string& session, const std::string& listen_on) {
     std::uint64_t version = live.scene_version() ? live.scene_version()->version : 0;
     while (!stop_serving) {
         std::this_thread::sleep_for(std::chrono::seconds(1));
+        // Expected: the writer may be busy, or at work on the folder, here and below; a second
+        // later it is looked at again, and people see the last version meanwhile.
         if (!(*reader)->refresh().ok()) continue;
         const auto latest = (*reader)->scene_poses();  // cheap, and most often of the same version
+        // Expected: as above
         if (!latest.ok() || latest->version == version) continue;
         auto scene = (*reader)->scene();
-        if (!scene.ok()) continue;
+        if (!scene.ok()) continue;  // Expected: as above
         version = scene->version;
         live.on_version(std::make_shared<const Scene>(*std::move(scene)));
     }
@@ -258,7 +262,7 @@ int decode_photograph(const DecodeRequest& request) {
     SessionConfig config;
     config.preset = request.preset;
     const auto options = stage_options(config);
-    if (!options.ok()) return 1;
+    if (!options.ok()) return report_error(options.error());
     return sandboxed_extract({request.photo, request.name}, options->features);
 }
 

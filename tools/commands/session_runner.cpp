@@ -179,6 +179,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
     if (!run.ok()) return report_error(run.error());
     if (const auto found = refine_reasons(store, *run); !found.ok())
         return report_error(found.error());
+    for (const std::string& remark : run->remarks) std::cerr << "psfm: " << remark << '\n';
     print_summary(*run, request);
     if (run->interrupted) {
         std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "

@@ -40,7 +40,7 @@ Result<synthetic::LookAlikeScene> make_valid(
     set(options.images, arguments.images);
     set(options.repeated_part, arguments.repeated);
     set(options.noise_px, arguments.noise);
-    if (const auto valid = validate(options); !valid) return valid.error();
+    if (const auto valid = validate(options); !valid.ok()) return valid.error();
     return make(options, arguments.seed);
 }
 
@@ -63,11 +63,11 @@ Result<synthetic::LookAlikeScene> make_scene(const SimulateArguments& arguments)
 int run_simulate(const SimulateArguments& arguments) {
     // Before the work, which takes a while for large scenes.
     const auto valid = validate(arguments.simulation);
-    if (!valid) throw CLI::ValidationError("simulate", valid.error().message);
+    if (!valid.ok()) throw CLI::ValidationError("simulate", valid.error().message);
     const auto scene = make_scene(arguments);
-    if (!scene) throw CLI::ValidationError("simulate", scene.error().message);
+    if (!scene.ok()) throw CLI::ValidationError("simulate", scene.error().message);
     const auto written = write_simulation(*scene, arguments.simulation, arguments.output);
-    if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
+    if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);
     std::cout << arguments.output << ": " << written->images << " images, " << written->features
               << " features, " << written->pairs << " pairs, " << written->folded
               << " of them look-alikes, " << written->matches << " matches\n";

@@ -148,7 +148,7 @@ int train_and_write(const TrainArguments& arguments, const std::vector<PhotoFile
     const WordTree tree = train_vocabulary(sample.descriptors, {.words = words});
     progress.clear();
     const auto written = write_vocabulary(tree, arguments.output);
-    if (!written) return report_error(written.error(), ErrorOrigin::kOtherInput);
+    if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);
     std::cout << arguments.output << ": " << tree.word_count() << " words from " << rows
               << " descriptors of " << sample.photos << " photographs\n"
               << std::flush;
@@ -164,7 +164,7 @@ int run_train(const TrainArguments& arguments) {
     if (const auto problem = output_problem(arguments.output))
         return report_error(*problem, ErrorOrigin::kOtherInput);
     const auto listing = list_photos(arguments.photos);
-    if (!listing) return report_error(listing.error(), ErrorOrigin::kOtherInput);
+    if (!listing.ok()) return report_error(listing.error(), ErrorOrigin::kOtherInput);
     for (const RejectedPath& rejected : listing->rejected) {
         std::cerr << "left out " << rejected.name << ": " << rejected.reason << '\n';
     }

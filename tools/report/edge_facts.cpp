@@ -52,11 +52,11 @@ const char* edge_state_name(EdgeState state) {
 
 Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const Scene& scene) {
     const auto count = session.verified_image_count();
-    if (!count) return count.error();
+    if (!count.ok()) return count.error();
     for (; images_ < *count; ++images_) {
         const auto image = static_cast<ImageId>(images_);
         const auto pairs = session.pairs_of(image);
-        if (!pairs) return pairs.error();
+        if (!pairs.ok()) return pairs.error();
         select_edges(selection_, graph_, image, *pairs, options_);
         for (const VerifiedPairPtr& pair : *pairs) {
             pairs_.push_back({pair->pair, static_cast<std::uint32_t>(pair->geometry.inliers.size()),
@@ -64,7 +64,7 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
         }
     }
     const auto clusters = session.clusters();
-    if (!clusters) return clusters.error();
+    if (!clusters.ok()) return clusters.error();
     std::set<ImagePair> apart;
     for (const StoredCluster& cluster : *clusters)
         apart.insert(cluster.apart.begin(), cluster.apart.end());
@@ -99,8 +99,12 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
 }
 
 StageOptions options_of(const SessionReader& session) {
+    // Expected: a session that was never run has none. Where they cannot be read the page shows
+    // what it can, and `psfm check` names the damage.
     if (const auto settings = session.settings(); settings.ok()) {
+        // Expected: as above
         if (const auto config = decode_config(settings->settings_json); config.ok()) {
+            // Expected: as above
             if (auto options = stage_options(*config); options.ok()) return *std::move(options);
         }
     }

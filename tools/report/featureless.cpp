@@ -16,6 +16,7 @@ void find_featureless(const SessionReader& store, std::span<const Image> images,
     for (auto& [image, reason] : waiting) {
         if (reason != WaitReason::kTooFewMatches || index_of(image) >= images.size()) continue;
         const auto keypoints = store.keypoints(image);
+        // Expected: damaged ones are not told of here, but by `psfm check`
         if (keypoints.ok() && (*keypoints)->size() < kFewFeatures)
             reason = WaitReason::kTooFewFeatures;
     }

@@ -29,7 +29,7 @@ Result<void> add_placed(const SessionReader& session, InlierCache& cache, Sessio
         }
         if (!cluster->model) continue;
         const auto inliers = cache.of(*cluster, session);
-        if (!inliers) return inliers.error();
+        if (!inliers.ok()) return inliers.error();
         for (const RegisteredImage& image : cluster->model->images) {
             if (index_of(image.image) >= facts.facts.size()) continue;
             ImageFact& fact = facts.facts[index_of(image.image)];
@@ -70,7 +70,7 @@ Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(const Scene
     if (model != cluster.model && !rests) {
         const auto residuals =
             residuals_of(*cluster.model, [&](ImageId image) { return session.keypoints(image); });
-        if (!residuals) return residuals.error();
+        if (!residuals.ok()) return residuals.error();
         entries.clear();
         for (std::size_t i = 0; i < residuals->size(); ++i) {
             entries[cluster.model->images[i].image] = {
@@ -84,7 +84,7 @@ Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(const Scene
 
 void SinceBook::add(const PastVersion& version) {
     const auto summary = decode_summary(version.summary_json);
-    if (!summary) return;  // `psfm check` tells of it
+    if (!summary.ok()) return;  // Expected: damaged; the latest version's is read and told of
     const std::map<ImageId, WaitReason> now(summary->waiting.begin(), summary->waiting.end());
     std::size_t known = since_.size();
     for (const auto& [image, reason] : now)
@@ -118,7 +118,7 @@ Result<void> follow_versions(const SessionReader& session, const Scene& scene,
                              FactsMemory& memory) {
     if (memory.versions.empty()) {
         auto versions = session.versions();
-        if (!versions) return versions.error();
+        if (!versions.ok()) return versions.error();
         while (!versions->empty() && versions->back().version > scene.version) versions->pop_back();
         for (const PastVersion& version : *versions) memory.since.add(version);
         memory.versions = *std::move(versions);
@@ -126,7 +126,7 @@ Result<void> follow_versions(const SessionReader& session, const Scene& scene,
     }
     if (memory.versions.back().version >= scene.version) return {};
     auto summary = session.scene_summary_json();
-    if (!summary) return summary.error();
+    if (!summary.ok()) return summary.error();
     memory.versions.push_back(
         {scene.version, scene.image_count, scene.effective_clusters, *std::move(summary)});
     memory.since.add(memory.versions.back());
@@ -143,25 +143,26 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
         facts.scene = *scene;
     } else {
         auto latest = session.scene();
-        if (!latest) return latest.error();
+        if (!latest.ok()) return latest.error();
         facts.scene = *std::move(latest);
     }
-    if (const auto followed = follow_versions(session, facts.scene, memory); !followed)
+    if (const auto followed = follow_versions(session, facts.scene, memory); !followed.ok())
         return followed.error();
     facts.versions = memory.versions;
     auto images = session.images();
-    if (!images) return images.error();
+    if (!images.ok()) return images.error();
     facts.images = *std::move(images);
     const auto sources = session.image_sources();
-    if (!sources) return sources.error();
+    if (!sources.ok()) return sources.error();
     auto rejected = session.rejected();
-    if (!rejected) return rejected.error();
+    if (!rejected.ok()) return rejected.error();
     facts.rejected = *std::move(rejected);
+    // Expected: a session that was never run has none; `psfm check` names damaged ones
     if (auto settings = session.settings(); settings.ok()) facts.settings = *std::move(settings);
 
     if (!facts.versions.empty()) {
         auto summary = decode_summary(facts.versions.back().summary_json);
-        if (!summary) return summary.error();
+        if (!summary.ok()) return summary.error();
         facts.summary = *std::move(summary);
     }
     find_featureless(session, facts.images, facts.summary.waiting);
@@ -172,7 +173,7 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
         facts.facts.push_back(
             waiting_fact(image, reason == reasons.end() ? WaitReason::kSolving : reason->second));
     }
-    if (const auto placed = add_placed(session, memory.inliers, facts); !placed)
+    if (const auto placed = add_placed(session, memory.inliers, facts); !placed.ok())
         return placed.error();
     const std::vector<Since> since = memory.since.of(facts.images.size());
     for (std::size_t i = 0; i < since.size(); ++i) facts.facts[i].since = since[i];

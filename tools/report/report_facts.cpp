@@ -110,7 +110,7 @@ void finish(CameraFacts& camera) {
 
 Result<void> add_residuals(const SessionReader& session, ReportFacts& facts) {
     const auto accepted = session.cameras();
-    if (!accepted) return accepted.error();
+    if (!accepted.ok()) return accepted.error();
     std::map<CameraId, CameraFacts> cameras;
     for (const auto& [id, camera] : *accepted) {
         cameras[id].id = id;
@@ -126,7 +126,7 @@ Result<void> add_residuals(const SessionReader& session, ReportFacts& facts) {
             ++facts.track_lengths[static_cast<std::uint32_t>(point.track.size())];
         const auto residuals =
             residuals_of(model, [&](ImageId image) { return session.keypoints(image); });
-        if (!residuals) return residuals.error();
+        if (!residuals.ok()) return residuals.error();
         for (const auto& [id, camera] : model.cameras)
             cameras[id].after.emplace_back(cluster->id, camera);
         for (std::size_t i = 0; i < residuals->size(); ++i) {
@@ -231,15 +231,15 @@ Result<ReportFacts> read_report_facts(const SessionReader& session,
     facts.session = std::move(session_facts);
     facts.reference = reference;
     auto edges = read_edges(session, facts.session.scene);
-    if (!edges) return edges.error();
+    if (!edges.ok()) return edges.error();
     facts.edges = *std::move(edges);
-    if (const auto added = add_residuals(session, facts); !added) return added.error();
+    if (const auto added = add_residuals(session, facts); !added.ok()) return added.error();
     add_parts(facts);
     add_position_errors(facts);
     std::vector<double> features, inliers;
     for (const Image& image : facts.session.images) {
         const auto keypoints = session.keypoints(image.id);
-        if (!keypoints) return keypoints.error();
+        if (!keypoints.ok()) return keypoints.error();
         features.push_back(static_cast<double>((*keypoints)->size()));
     }
     for (const ImageFact& fact : facts.session.facts) {

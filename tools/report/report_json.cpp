@@ -76,7 +76,7 @@ ordered_json history_json(const ReportFacts& facts) {
     ordered_json versions = ordered_json::array();
     for (const PastVersion& version : facts.session.versions) {
         const auto summary = decode_summary(version.summary_json);
-        if (!summary) continue;
+        if (!summary.ok()) continue;  // Expected: damaged; told of where it is the latest
         versions.push_back({{"version", version.version},
                             {"images", version.image_count},
                             {"placed", summary->counts.placed},

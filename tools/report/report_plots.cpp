@@ -241,7 +241,7 @@ std::string history_plot(const ReportFacts& facts) {
     std::vector<Series> series{{"images", "s0", {}}, {"placed", "s1", {}}, {"parts", "s2", {}}};
     for (const PastVersion& version : facts.session.versions) {
         const auto summary = decode_summary(version.summary_json);
-        if (!summary) continue;
+        if (!summary.ok()) continue;  // Expected: damaged; told of where it is the latest
         const auto x = static_cast<double>(version.image_count);
         series[0].points.emplace_back(x, x);
         series[1].points.emplace_back(x, summary->counts.placed);

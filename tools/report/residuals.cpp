@@ -34,7 +34,7 @@ Result<std::vector<std::vector<Residual>>> residuals_of(const Reconstruction& mo
         const RegisteredImage& image = model.images[i];
         const Camera& camera = model.cameras.at(image.camera);
         const auto features = keypoints(image.image);
-        if (!features) return features.error();
+        if (!features.ok()) return features.error();
         residuals[i].reserve(uses[i].size());
         for (const Use& use : uses[i]) {
             if (use.feature >= (*features)->size()) {

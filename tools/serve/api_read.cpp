@@ -96,6 +96,7 @@ std::optional<std::filesystem::path> photograph_called(const std::string& name,
     const std::filesystem::path sent = session / "photographs" / relative;
     if (std::filesystem::is_regular_file(sent, ignored)) return sent;
     const auto settings = reader.settings();
+    // Expected: without them it is not known where the photograph lies
     if (!settings.ok() || settings->photo_folder.empty()) return std::nullopt;
     const std::filesystem::path found = std::filesystem::path(settings->photo_folder) / relative;
     if (std::filesystem::is_regular_file(found, ignored)) return found;
@@ -246,7 +247,8 @@ HttpResponse Api::point(std::uint32_t cluster, std::uint32_t slot) const {
         std::shared_ptr<const Reconstruction> model = one->model;
         if (model->points.empty()) {  // the cluster rests
             auto stored = parts_.reader->recycled_model({one->id, one->revision});
-            if (stored.ok() && *stored) model = *stored;
+            if (!stored.ok()) return problem(503, stored.error().message);
+            if (*stored) model = *stored;
         }
         for (const ScenePoint& point : model->points) {
             if (point.track.front() != *key) continue;
@@ -267,7 +269,8 @@ HttpResponse Api::image(std::uint32_t image) const {
     std::shared_ptr<const Reconstruction> model = cluster->model;
     if (model->points.empty()) {
         auto stored = parts_.reader->recycled_model({cluster->id, cluster->revision});
-        if (stored.ok() && *stored) model = *stored;
+        if (!stored.ok()) return problem(503, stored.error().message);
+        if (*stored) model = *stored;
     }
     // The image's own part of the model, so that other images' features stay unread.
     Reconstruction own;
@@ -301,14 +304,16 @@ HttpResponse Api::image(std::uint32_t image) const {
 HttpResponse Api::pair(std::uint32_t first, std::uint32_t second) const {
     if (first >= second) return problem(400, "the first image of a pair has the smaller number");
     const auto verified = parts_.reader->verified_image_count();
-    if (!verified.ok() || second >= *verified) return problem(404, "there is no such pair");
+    if (!verified.ok()) return problem(503, verified.error().message);
+    if (second >= *verified) return problem(404, "there is no such pair");
     const auto pairs = parts_.reader->pairs_of(static_cast<ImageId>(second));
     if (!pairs.ok()) return problem(503, pairs.error().message);
     for (const VerifiedPairPtr& pair : *pairs) {
         if (index_of(pair->pair.first) != first) continue;
         const auto a = parts_.reader->keypoints(pair->pair.first);
         const auto b = parts_.reader->keypoints(pair->pair.second);
-        if (!a.ok() || !b.ok()) return problem(503, "the features cannot be read");
+        if (!a.ok()) return problem(503, a.error().message);
+        if (!b.ok()) return problem(503, b.error().message);
         ordered_json matches = ordered_json::array();
         for (const FeatureMatch& match : pair->geometry.inliers) {
             if (match.first >= (*a)->size() || match.second >= (*b)->size()) continue;

@@ -48,6 +48,7 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const U
       edges_(options_of(reader).edges),
       colours_(reader),
       shown_(ShowOptions{.number = std::random_device()() >> 2U}) {
+    // Expected: what cannot be read yet is looked at with the next version
     if (auto scene = reader.scene(); scene.ok())
         look(std::make_shared<const Scene>(*std::move(scene)), true);
     thread_ = std::thread([this] { run(); });
@@ -108,7 +109,7 @@ void LiveSession::run() {
 void LiveSession::look(const ScenePtr& scene, bool settled) {
     // States first: they are what people wait for.
     auto facts = read_session_facts(*reader_, memory_, scene);
-    if (!facts.ok()) return;  // the next version may be had
+    if (!facts.ok()) return;  // Expected: the next version may be had
     tell_images(facts->facts);
     std::string change;
     std::uint32_t number = 0;
@@ -118,7 +119,7 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
             [&](const Observation& feature) { return colours_(feature); },
             [&](const SceneCluster& cluster) -> std::shared_ptr<const Reconstruction> {
                 auto model = reader_->recycled_model({cluster.id, cluster.revision});
-                return model.ok() ? *model : nullptr;
+                return model.ok() ? *model : nullptr;  // Expected: shown without points then
             }};
         change = shown_.update(*scene, source, settled);
         number = shown_.number();
@@ -128,7 +129,9 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
     page.name = name_;
     page.facts = &*facts;
     const std::vector<EdgeFact> none;
+    // Expected: what cannot be read is missing on the page, and there with the next version
     page.edges = edges.ok() ? &*edges : &none;
+    // Expected: as the edges
     if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
     std::map<std::string, PhotographOrigin> origins;
     if (uploads_ != nullptr) {
@@ -147,6 +150,7 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
         const auto origin = origins.find(image.name);
         names.push_back(origin == origins.end() ? image.name : origin->second.title);
     }
+    // Expected: as above
     if (edges.ok()) page.hints = hints_for(*scene, *edges, names);
     std::string session = session_json(page);
     session.pop_back();

@@ -38,7 +38,7 @@ ordered_json versions_json(const SessionFacts& facts) {
     const std::size_t first = facts.versions.size() - std::min(facts.versions.size(), kMost);
     for (std::size_t i = first; i < facts.versions.size(); ++i) {
         const auto summary = decode_summary(facts.versions[i].summary_json);
-        if (!summary) continue;
+        if (!summary.ok()) continue;  // Expected: damaged; told of where it is the latest
         versions.push_back({{"version", facts.versions[i].version},
                             {"images", facts.versions[i].image_count},
                             {"placed", summary->counts.placed},
@@ -129,7 +129,7 @@ Colour FeatureColours::operator()(const Observation& feature) {
     auto known = known_.find(feature.image);
     if (known == known_.end()) {
         const auto keypoints = session_->keypoints(feature.image);
-        if (!keypoints) return kGrey;
+        if (!keypoints.ok()) return kGrey;  // Expected: `psfm check` names the damage
         std::vector<Colour> colours;
         colours.reserve((*keypoints)->size());
         for (const Keypoint& keypoint : **keypoints)

@@ -59,7 +59,7 @@ void write(WireWriter& writer, const Version& version, const WireBox& box) {
 
 Result<std::string> replay_bytes(const SessionReader& session, const ReplayOptions& options) {
     const auto kept = session.versions();
-    if (!kept) return kept.error();
+    if (!kept.ok()) return kept.error();
     std::vector<std::uint32_t> counts;  // one version for each number of images: the last
     for (const PastVersion& version : *kept) {
         if (!counts.empty() && counts.back() == version.image_count) continue;
@@ -67,7 +67,7 @@ Result<std::string> replay_bytes(const SessionReader& session, const ReplayOptio
     }
     if (counts.empty()) return std::string();
     const Result<Scene> last = session.scene_poses();
-    if (!last) return last.error();
+    if (!last.ok()) return last.error();
     std::vector<Eigen::Vector3f> centres;
     for (const auto& [image, pose] : poses_of(*last)) centres.push_back(pose.centre);
     const float most = static_cast<float>(options.tolerance) * WireBox::around(centres).side;
@@ -78,7 +78,7 @@ Result<std::string> replay_bytes(const SessionReader& session, const ReplayOptio
     for (std::size_t i = 0; i < counts.size(); ++i) {
         if (i % stride != 0 && i + 1 != counts.size()) continue;
         const auto scene = session.scene_after(counts[i]);
-        if (!scene) return scene.error();
+        if (!scene.ok()) return scene.error();
         Version version{counts[i], {}, {}};
         const Poses now = poses_of(*scene);
         for (const auto& [image, pose] : now) {

@@ -210,7 +210,7 @@ Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::str
                      photo.name + ": decoding it failed or took too much; save it anew"};
     }
     auto extracted = parse(*output, photo.name);
-    if (!extracted.ok()) return extracted;
+    if (!extracted.ok()) return extracted.error();
     // Duplicates are told by the content, of which the file itself is the witness.
     const auto bytes =
         read_file_bytes(photo, std::uint64_t{ReadPhotoOptions{}.max_file_mib} << 20U);
@@ -255,7 +255,7 @@ int sandboxed_extract(const PhotoFile& photo, const FeatureOptions& options) {
 int sandboxed_thumbnail(const std::filesystem::path& photo) {
     cv::setNumThreads(1);
     const auto decoded = read_photo({photo, photo.filename().string()}, ReadPhotoOptions{});
-    if (!decoded.ok()) return 1;
+    if (!decoded.ok()) return 1;  // Expected: a photograph that cannot be shown has no thumbnail
     const int longer = std::max(decoded->colour.cols, decoded->colour.rows);
     const double scale = std::min(1.0, static_cast<double>(kThumbnailSide) / longer);
     cv::Mat small;

@@ -142,7 +142,7 @@ void Users::look_again() const {
     const std::int64_t now = std::time(nullptr);
     if (now == looked_) return;
     looked_ = now;
-    // A file that is damaged for the moment keeps the users as they were.
+    // Expected: a file that is damaged for the moment keeps the users as they were.
     if (stamp_of_file(file_) != stamp_) static_cast<void>(read().ok());
 }
 

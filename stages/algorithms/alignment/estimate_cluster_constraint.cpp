@@ -130,7 +130,7 @@ void estimate_from_accepted(ClusterConstraint& constraint,
     }
     constraint.verdict = ConstraintVerdict::kInconsistent;
     const auto found = estimate_sim3_ransac(edges, candidates, options, seed);
-    if (!found) return;
+    if (!found.ok()) return;  // Expected: these edges agree on no similarity
     constraint.b_from_a = refine_sim3(edges, found->b_from_a, options.max_error);
     Sim3Support support = support_of(edges, constraint.b_from_a, options.max_error);
     if (support.cost > found->support.cost) {

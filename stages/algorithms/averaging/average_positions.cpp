@@ -67,11 +67,11 @@ Result<Placement> place(std::span<const RelativeDirection> edges,
     const std::vector<RelativeDirection> inside = edges_among(edges, component);
     auto start =
         least_unsquared_positions(inside, static_cast<std::uint32_t>(component.size()), options);
-    if (!start) return start.error();
+    if (!start.ok()) return start.error();
     auto refined = refine_positions(inside, *std::move(start), options);
-    if (!refined) return refined.error();
+    if (!refined.ok()) return refined.error();
     auto certain = nodes_of_certain_length(inside, *refined, options);
-    if (!certain) return certain.error();
+    if (!certain.ok()) return certain.error();
     Placement placement;
     placement.noise = direction_noise(inside, *refined);
     placement.positions = columns_of(*refined, *certain);
@@ -94,14 +94,14 @@ Result<void> validate(const PositionAveragingOptions& options) {
 Result<PositionAveraging> average_positions(std::span<const RelativeDirection> edges,
                                             std::uint32_t node_count,
                                             const PositionAveragingOptions& options) {
-    if (auto valid = validate(options); !valid) return valid.error();
-    if (auto valid = check_directions(edges, node_count); !valid) return valid.error();
+    if (auto valid = validate(options); !valid.ok()) return valid.error();
+    if (auto valid = check_directions(edges, node_count); !valid.ok()) return valid.error();
     const Error degenerate{ErrorCode::kDegenerate,
                            "the directions determine the positions of fewer than three nodes: "
                            "they are too few, or the nodes lie on a line"};
     if (edges.empty()) return degenerate;
     auto placement = place(edges, largest_component(edges, node_count), options);
-    if (!placement) return placement.error();
+    if (!placement.ok()) return placement.error();
     if (placement->nodes.size() < 3) return degenerate;
 
     fix_gauge(edges_among(edges, placement->nodes), placement->positions);

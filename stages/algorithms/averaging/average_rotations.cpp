@@ -104,8 +104,8 @@ Result<void> validate(const RotationAveragingOptions& options) {
 Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> edges,
                                             std::uint32_t node_count,
                                             const RotationAveragingOptions& options) {
-    if (auto valid = validate(options); !valid) return valid.error();
-    if (auto valid = check_edges(edges, node_count); !valid) return valid.error();
+    if (auto valid = validate(options); !valid.ok()) return valid.error();
+    if (auto valid = check_edges(edges, node_count); !valid.ok()) return valid.error();
 
     const std::vector<WeightedEdge> weighted = weights_of(edges);
     StartRotations start =
@@ -139,9 +139,9 @@ Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> ed
         if (problem.edges.empty()) continue;
         make_mean_weight_one(problem);
         auto coarse = minimize_l1(problem, options);
-        if (!coarse) return coarse.error();
+        if (!coarse.ok()) return coarse.error();
         auto fine = refine_rotations(problem, options);
-        if (!fine) return fine.error();
+        if (!fine.ok()) return fine.error();
         result.iterations = std::max(result.iterations, *coarse + *fine);
     }
     for (std::uint32_t node = 0; node < node_count; ++node) {

@@ -165,8 +165,8 @@ Result<DirectionFilter> filter_directions(std::span<const RelativeDirection> edg
                                           std::uint32_t node_count,
                                           const DirectionFilterOptions& options,
                                           std::uint64_t seed) {
-    if (auto valid = validate(options); !valid) return valid.error();
-    if (auto valid = check_directions(edges, node_count); !valid) return valid.error();
+    if (auto valid = validate(options); !valid.ok()) return valid.error();
+    if (auto valid = check_directions(edges, node_count); !valid.ok()) return valid.error();
     DirectionFilter result;
     if (edges.empty()) return result;
 

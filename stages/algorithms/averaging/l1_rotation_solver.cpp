@@ -41,7 +41,7 @@ class LeastAbsoluteDeviations {
         multipliers_ = Rows3::Zero(edges, 3);
     }
 
-    bool ok() const { return factor_.info() == Eigen::Success; }
+    bool has_factor() const { return factor_.info() == Eigen::Success; }
 
     /// @return steps by node, for which both residuals are below `tolerance` [rad] unless the
     /// iterations ran out
@@ -149,7 +149,7 @@ Result<std::uint32_t> minimize_l1(RotationProblem& problem,
                                   const RotationAveragingOptions& options) {
     if (problem.node_from_reference.size() < 2 || options.max_iterations == 0) return 0U;
     LeastAbsoluteDeviations solver(problem, options.norm);
-    if (!solver.ok()) {
+    if (!solver.has_factor()) {
         return Error{ErrorCode::kInternal,
                      "rotation averaging: CHOLMOD cannot factor the normal matrix"};
     }

@@ -181,9 +181,9 @@ Result<FocalCalibration> calibrate_focals(std::span<const VerifiedPairPtr> pairs
                                           const std::map<ImageId, CameraId>& camera_of,
                                           const FocalCalibrationOptions& options,
                                           const KeypointsOf& keypoints_of) {
-    if (const Result<void> valid = validate(options); !valid) return valid.error();
+    if (const Result<void> valid = validate(options); !valid.ok()) return valid.error();
     for (const auto& [id, camera] : cameras) {
-        if (const Result<void> valid = validate(camera); !valid) return valid.error();
+        if (const Result<void> valid = validate(camera); !valid.ok()) return valid.error();
     }
     const FocalPairs prepared =
         prepare_focal_pairs(pairs, cameras, camera_of, options, keypoints_of);

@@ -130,7 +130,7 @@ void refine_pose(std::span<const Eigen::Vector2d> pixels, std::span<const Eigen:
     if (!summary.IsSolutionUsable()) return;
     Camera refined = pose.camera;
     std::copy_n(intrinsics, kIntrinsicsSize, refined.params.begin());
-    if (!validate(refined).ok()) return;
+    if (!validate(refined).ok()) return;  // Expected: the pose stays as it was found
     pose.camera = refined;
     pose.cam_from_world = read_pose(pose_block);
 }

@@ -164,7 +164,7 @@ Result<MaskUse> match_masks(const fs::path& masks, const std::vector<PhotoFile>&
         if (!photo.path.empty()) photo_paths.insert(fs::absolute(photo.path).lexically_normal());
     }
     const auto files = list_photos(masks);
-    if (!files) return use;  // no picture in it
+    if (!files.ok()) return use;  // Expected: no picture in it
     for (const PhotoFile& file : files->photos) {
         const fs::path path = file.path.lexically_normal();
         if (!used.contains(path) && !photo_paths.contains(fs::absolute(path)))

@@ -100,7 +100,7 @@ std::optional<fs::path> find_mask(const fs::path& masks, const PhotoFile& photo)
 
 Result<PhotoMask> read_mask(const fs::path& file, cv::Size size, std::uint8_t orientation) {
     const auto bytes = read_file_bytes({file, "mask " + file.native()}, kMostBytes);
-    if (!bytes) return bytes.error();
+    if (!bytes.ok()) return bytes.error();
     cv::Mat picture;
     try {
         picture = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);

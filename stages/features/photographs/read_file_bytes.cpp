@@ -99,7 +99,7 @@ Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::u
 
 Result<std::uint64_t> content_hash_of(const PhotoFile& photo, std::uint64_t max_bytes) {
     const auto bytes = read_file_bytes(photo, max_bytes);
-    if (!bytes) return bytes.error();
+    if (!bytes.ok()) return bytes.error();
     return std::uint64_t{XXH64(bytes->data(), bytes->size(), 0)};
 }
 

@@ -55,7 +55,7 @@ std::string first_bytes(const std::vector<std::uint8_t>& bytes) {
 Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& options) {
     Result<std::vector<std::uint8_t>> read =
         read_file_bytes(photo, std::uint64_t{options.max_file_mib} << 20U);
-    if (!read) return read.error();
+    if (!read.ok()) return read.error();
     std::vector<std::uint8_t>& bytes = *read;
 
     const std::optional<PhotoFormat> format = identify_format(bytes);
@@ -85,13 +85,13 @@ Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& 
 
     if (*format == PhotoFormat::kHeif) {
         Result<HeifPhoto> heif = decode_heif(bytes, options.max_megapixels * 1e6);
-        if (!heif) return unreadable(photo, heif.error().message);
+        if (!heif.ok()) return unreadable(photo, heif.error().message);
         result.colour = heif->colour;
         result.mask = heif->mask;
         result.exif = read_exif(heif->exif);
     } else {
         Result<DecodedPixels> pixels = decode_pixels(bytes, *format);
-        if (!pixels) return unreadable(photo, pixels.error().message);
+        if (!pixels.ok()) return unreadable(photo, pixels.error().message);
         result.colour = pixels->colour;
         result.mask = pixels->mask;
         result.exif = read_exif(container.exif);

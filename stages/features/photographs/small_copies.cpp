@@ -70,7 +70,7 @@ std::optional<Header> read_header(const PhotoFile& photo) {
 std::vector<std::uint8_t> read_signature(const PhotoFile& photo, const Header& header) {
     const auto bytes =
         read_file_bytes(photo, std::uint64_t{ReadPhotoOptions{}.max_file_mib} << 20U);
-    if (!bytes) return {};
+    if (!bytes.ok()) return {};  // Expected: taking the photograph in says so
     // Mathematics: an eighth leaves 4 pixels a field.
     constexpr std::uint32_t kEnoughReduced = 8 * 4 * kSignatureSide;
     const bool is_large = std::min(header.width, header.height) >= kEnoughReduced;

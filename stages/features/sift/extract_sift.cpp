@@ -166,7 +166,7 @@ SiftFeatures in_order(std::vector<Feature> features) {
 
 Result<SiftFeatures> extract_sift(const cv::Mat& grey, const cv::Mat& colour,
                                   const SiftOptions& options, const cv::Mat& mask) {
-    if (Result<void> valid = validate(options); !valid) return valid.error();
+    if (Result<void> valid = validate(options); !valid.ok()) return valid.error();
     if (grey.empty() || grey.type() != CV_8UC1 || colour.type() != CV_8UC3 ||
         grey.size() != colour.size()) {
         return Error{

@@ -166,7 +166,7 @@ std::optional<Adoption> try_against(const UnplacedImage& image, const MergedMode
         !known && !image.fix_intrinsics && camera.focal_source == FocalSource::kUnknown;
     const auto pose = estimate_absolute_pose(sighting.pixels, sighting.points, camera, refine_focal,
                                              options.absolute_pose, image.content_hash);
-    if (!pose.ok()) return std::nullopt;
+    if (!pose.ok()) return std::nullopt;  // Expected: the image has no place here
     const auto [host, inliers_of_host] = most_seen(sighting, pose->inliers);
     if (host == image.tried_by || inliers_of_host < options.absolute_pose.min_inliers)
         return std::nullopt;

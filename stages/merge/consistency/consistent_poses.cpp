@@ -244,7 +244,7 @@ class PartSolver {
         if (const auto groups = contradicting(poses_along_tree(graph.edges, graph.sizes)))
             return solve_groups(part, *groups, solved);
         auto poses = solve_cluster_poses(graph.edges, graph.sizes, options_.pose_graph);
-        if (!poses) return poses.error();
+        if (!poses.ok()) return poses.error();
         if (const auto groups = contradicting(*poses)) return solve_groups(part, *groups, solved);
         std::vector<bool> used(part.links.size(), false);
         for (std::size_t e = 0; e < poses->used.size(); ++e)
@@ -258,7 +258,7 @@ class PartSolver {
                                        const std::shared_ptr<SolvedPart>& solved) {
         const std::vector<Part> divided = divide(network_, part, group_of);
         const auto groups = solve_all(divided);
-        if (!groups) return groups.error();
+        if (!groups.ok()) return groups.error();
         solved->poses = put_together(part, divided, *groups);
         std::ranges::copy_if(*groups, std::back_inserter(solved->groups), has_basis);
         return SolvedPartPtr(solved);
@@ -288,7 +288,7 @@ Result<ConsistentPoses> consistent_poses(const ClusterNetwork& network, const Kn
         divide(network, all, poses_along_tree(graph.edges, graph.sizes).component);
     PartSolver solver(network, known, options);
     const auto solved = solver.solve_all(connected);
-    if (!solved) return solved.error();
+    if (!solved.ok()) return solved.error();
     ConsistentPoses result{put_together(all, connected, *solved), {}, solver.solved()};
     std::ranges::copy_if(*solved, std::back_inserter(result.known.parts), has_basis);
     result.known.judgements = solver.judgements();

@@ -61,7 +61,7 @@ std::optional<Sim3> from_triple(const std::array<const LocatedCamera*, 3>& camer
         if ((to.at(k) - to.at((k + 1) % 3)).head<2>().norm() < min_distance) return std::nullopt;
     }
     const auto sim = estimate_sim3(from, to);
-    if (!sim) return std::nullopt;
+    if (!sim.ok()) return std::nullopt;  // Expected: positions on a line give no frame
     return *sim;
 }
 

@@ -89,7 +89,7 @@ Sim3 refined(std::span<const Match> matches, Sim3 sim, double tolerance) {
                 }
             }
             const auto fitted = estimate_sim3(from, to, weights);
-            if (!fitted) continue;
+            if (!fitted.ok()) continue;  // Expected: too little stayed to hold the frame by
             sim = *fitted;
             break;
         }

@@ -160,7 +160,8 @@ PlacedComponents place_components(std::span<const Component> components, const S
             positions[c] = located(all[c], *datum, evidence);
             const auto found = estimate_georeference(
                 positions[c], gravity[c], place.world_from_component, options.georeference);
-            if (found) {
+            // Expected: positions on a line, or too few, give no frame
+            if (found.ok()) {
                 place.source = FrameSource::kPositions;
                 result.datum = datum;
                 if (!holds(all[c], place.world_from_component, *found, options.georeference))

@@ -38,9 +38,9 @@ Result<void> validate(const GeoreferenceOptions& options) {
 }
 
 Result<void> validate(const MergeOptions& options) {
-    if (auto valid = validate(options.constraint); !valid) return valid;
-    if (auto valid = validate(options.pose_graph); !valid) return valid;
-    if (auto valid = validate(options.gravity); !valid) return valid;
+    if (auto valid = validate(options.constraint); !valid.ok()) return valid.error();
+    if (auto valid = validate(options.pose_graph); !valid.ok()) return valid.error();
+    if (auto valid = validate(options.gravity); !valid.ok()) return valid.error();
     return validate(options.georeference);
 }
 

@@ -167,7 +167,7 @@ void write_back(const AdjustmentParameters& parameters, const AdjustmentSelectio
         Camera refined = model.cameras().at(camera);
         std::copy_n(parameters.values.begin() + static_cast<std::ptrdiff_t>(at->second),
                     kIntrinsicsSize, refined.params.begin());
-        if (!validate(refined).ok()) continue;
+        if (!validate(refined).ok()) continue;  // Expected: what makes no sense is left out
         if (refined.focal_source != FocalSource::kGiven)
             refined.focal_source = FocalSource::kEstimated;
         model.mutable_camera(camera) = refined;

@@ -96,14 +96,19 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
     SolveDraft draft{WorkingModel(part, matches)};
     WorkingModel& model = draft.model;
     std::map<CameraId, Camera> calibrated;
+    const auto none_if_degenerate = [](const Error& error) -> Result<std::map<CameraId, Camera>> {
+        if (error.code != ErrorCode::kDegenerate) return error;
+        return std::map<CameraId, Camera>();
+    };
     const auto seed = initialize_model(model, graph, std::vector<bool>(ids.size(), false), options);
-    if (!seed.ok()) return calibrated;
+    if (!seed.ok()) return calibrated;  // Expected: no pair of these images starts a model
     draft.state.images_at_full_adjustment = model.registered_count();
     const auto grown = grow_model(draft, context);
-    if (!grown.ok() && grown.error().code == ErrorCode::kCancelled) return grown.error();
+    if (!grown.ok()) return none_if_degenerate(grown.error());
     RefinementOptions settling = options.settling;
     settling.images_for_principal_point = 0;
-    if (!grown.ok() || !refine_model(model, false, settling, options).ok()) return calibrated;
+    const auto settled = refine_model(model, false, settling, options, cancel);
+    if (!settled.ok()) return none_if_degenerate(settled.error());
     std::map<CameraId, std::uint32_t> images;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         if (model.registered(image)) ++images[model.camera_id(image)];
@@ -119,6 +124,7 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
 bool is_credible(const Camera& calibrated, const Camera& before) {
     constexpr double kMaxRatio = 1.25;  // Tunable: ours, without a figure
     const double ratio = calibrated.mean_focal() / before.mean_focal();
+    // Expected: intrinsics that make no sense are not taken over
     return validate(calibrated).ok() && (before.focal_source == FocalSource::kUnknown ||
                                          (ratio < kMaxRatio && ratio > 1.0 / kMaxRatio));
 }
@@ -177,7 +183,7 @@ std::vector<VerifiedPairPtr> pairs_seen_through(const std::map<CameraId, Camera>
         TwoViewGeometry geometry = pair->geometry;
         geometry.kind = TwoViewKind::kEssential;
         auto seen = with_intrinsics(geometry, views, options);
-        if (!seen.ok()) continue;
+        if (!seen.ok()) continue;  // Expected: its matches do not hold with these cameras
         pairs.push_back(
             std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(seen)}));
     }

@@ -88,7 +88,7 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
     const std::uint64_t seed = problem.seed ^ problem.images[image].content_hash;
     const auto pose =
         estimate_absolute_pose(pixels, positions, model.camera(image), refine_focal, options, seed);
-    if (!pose.ok()) return false;
+    if (!pose.ok()) return false;  // Expected: too few of the points agree with one pose
     if (refine_focal) {
         model.mutable_camera(model.camera_id(image)) = pose->camera;
         model.share_lens(model.camera_id(image));
@@ -102,12 +102,22 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
     return true;
 }
 
-/// Structure around a newly registered image. @return whether the image keeps enough observations
-bool settle_image(SolveDraft& draft, std::uint32_t image, std::uint32_t min_observations,
-                  const SolveContext& context) {
+/// Structure around a newly registered image. One whose observations cannot be adjusted has a pose
+/// that is none, and goes.
+/// @return whether the image keeps enough observations
+/// @errors kCancelled
+Result<bool> settle_image(SolveDraft& draft, std::uint32_t image, std::uint32_t min_observations,
+                          const SolveContext& context) {
     WorkingModel& model = draft.model;
-    draft.statistics.local_adjustments += refine_locally(
-        model, std::span(&image, 1), context.problem.fix_intrinsics, context.options);
+    const auto adjustments =
+        refine_locally(model, std::span(&image, 1), context.problem.fix_intrinsics, context.options,
+                       context.cancel);
+    if (!adjustments.ok() && adjustments.error().code == ErrorCode::kDegenerate) {
+        model.remove_image(image);
+        return false;
+    }
+    if (!adjustments.ok()) return adjustments.error();
+    draft.statistics.local_adjustments += *adjustments;
     std::uint32_t observations = 0;
     for (std::uint32_t index = 0; index < model.matches().feature_count(image); ++index) {
         if (model.point_of({image, index}) != WorkingModel::kNoPoint) ++observations;
@@ -150,9 +160,12 @@ Result<void> grow_model(SolveDraft& draft, const SolveContext& context, std::uin
             return going_on.error();
         points_at_last_try[*image] = model.visible_points(*image);
         if (!register_image(model, *image, context.problem, demand->pose)) continue;
-        if (!settle_image(draft, *image, demand->observations, context)) continue;
+        const auto stays = settle_image(draft, *image, demand->observations, context);
+        if (!stays.ok()) return stays.error();
+        if (!*stays) continue;
         ++draft.statistics.registered;
-        if (const auto adjusted = adjust_grown(draft, context); !adjusted.ok()) return adjusted;
+        if (const auto adjusted = adjust_grown(draft, context); !adjusted.ok())
+            return adjusted.error();
     }
     return {};
 }

@@ -69,6 +69,7 @@ bool try_pair(WorkingModel& model, const Candidate& pair, double min_angle_deg,
     model.set_pose(pair.image2, pair.geometry->cam2_from_cam1);
     triangulate_image(model, pair.image1, options.tracks);
     if (model.alive_points() >= options.initialization.min_points) {
+        // Expected: a pair whose points cannot be adjusted starts no model
         if (adjust(model, full_scope(model, false), options.local_adjustment).ok()) {
             filter_tracks(model, {}, options.tracks);
             if (model.alive_points() >= options.initialization.min_points &&

@@ -235,11 +235,13 @@ Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::ui
     return refine_around(model, std::move(images), at_least, fix_intrinsics, options, cancel);
 }
 
-std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::uint32_t> joined,
-                                    bool fix_intrinsics, const SolveOptions& options) {
+Result<std::uint32_t> refine_joined_locally(WorkingModel& model,
+                                            std::span<const std::uint32_t> joined,
+                                            bool fix_intrinsics, const SolveOptions& options,
+                                            const std::atomic<bool>* cancel) {
     complete_tracks(model, joined, options.tracks);
     merge_tracks(model, joined, options.tracks);
-    return refine_locally(model, joined, fix_intrinsics, options);
+    return refine_locally(model, joined, fix_intrinsics, options, cancel);
 }
 
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, const SolvePlan& plan,
@@ -253,8 +255,9 @@ Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, con
     return refine_around(model, std::move(newest), 0, fix_intrinsics, options, cancel);
 }
 
-std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
-                             bool fix_intrinsics, const SolveOptions& options) {
+Result<std::uint32_t> refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
+                                     bool fix_intrinsics, const SolveOptions& options,
+                                     const std::atomic<bool>* cancel) {
     const auto triangulate_all = [&] {
         for (const std::uint32_t image : images) triangulate_image(model, image, options.tracks);
     };
@@ -264,7 +267,8 @@ std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t>
     for (int pass = 0; pass < 2; ++pass) {
         const AdjustmentScope scope =
             local_scope(model, images, options.local_neighbors, !fix_intrinsics);
-        if (!adjust(model, scope, options.local_adjustment).ok()) break;
+        const auto report = adjust(model, scope, options.local_adjustment, cancel);
+        if (!report.ok()) return report.error();
         ++adjustments;
         if (filter_tracks(model, scope.free_images, options.tracks) < 10) break;
         triangulate_all();

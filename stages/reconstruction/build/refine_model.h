@@ -58,9 +58,13 @@ Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::ui
 /// Makes one of the tracks that small models and the one that they were joined to have apart, and
 /// adjusts the joined images with their neighbours (refine_locally).
 /// @param joined  as above
+/// @param cancel  as above
 /// @return bundle adjustments done
-std::uint32_t refine_joined_locally(WorkingModel& model, std::span<const std::uint32_t> joined,
-                                    bool fix_intrinsics, const SolveOptions& options);
+/// @errors kDegenerate, kCancelled
+Result<std::uint32_t> refine_joined_locally(WorkingModel& model,
+                                            std::span<const std::uint32_t> joined,
+                                            bool fix_intrinsics, const SolveOptions& options,
+                                            const std::atomic<bool>* cancel = nullptr);
 
 /// Adjusts a model that has grown by so many images since the last time: all of it, as in the
 /// paper, or, where the plan has kJoint, the images that came last, with their neighbours.
@@ -73,9 +77,13 @@ Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, con
 /// Adjusts images and their surroundings: creates and continues their points, adjusts them with the
 /// neighbours that share most points with them, filters, and once more where much was filtered.
 /// @param images  ascending
+/// @param cancel  as above
 /// @return bundle adjustments done
-std::uint32_t refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
-                             bool fix_intrinsics, const SolveOptions& options);
+/// @errors kDegenerate (poses and points are as the last adjustment that found a solution left
+/// them), kCancelled
+Result<std::uint32_t> refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
+                                     bool fix_intrinsics, const SolveOptions& options,
+                                     const std::atomic<bool>* cancel = nullptr);
 
 /// Registered images with fewer observations than the options ask for are taken out of the model.
 /// @return how many

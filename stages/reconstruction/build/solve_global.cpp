@@ -46,7 +46,7 @@ Result<ComponentRotations> refined_rotations(const WorkingModel& model,
     averaging.refine_iterations = options.global.rotation_refinements;
     auto averaged =
         average_rotations(edges, static_cast<std::uint32_t>(model.image_count()), averaging);
-    if (!averaged) return averaged.error();
+    if (!averaged.ok()) return averaged.error();
     std::vector<std::uint32_t> size(averaged->component_count, 0);
     for (const std::uint32_t component : averaged->component) ++size[component];
     const auto largest = static_cast<std::uint32_t>(std::ranges::max_element(size) - size.begin());
@@ -87,16 +87,16 @@ Result<Placement> place_images(WorkingModel& model, const ClusterProblem& proble
                                const std::vector<VerifiedPairPtr>& pairs,
                                const SolveOptions& options) {
     const auto rotations = refined_rotations(model, pairs, options);
-    if (!rotations) return rotations.error();
+    if (!rotations.ok()) return rotations.error();
     const GlobalDirections directions =
         find_directions(model, rotations->pairs, rotations->cam_from_cluster, options.global);
     const auto filter = filter_directions(directions.edges, directions.node_count,
                                           options.global.directions, seed_of(problem));
-    if (!filter) return filter.error();
+    if (!filter.ok()) return filter.error();
     std::vector<RelativeDirection> kept;
     for (const std::uint32_t edge : filter->kept) kept.push_back(directions.edges[edge]);
     const auto positions = average_positions(kept, directions.node_count, options.global.positions);
-    if (!positions) return positions.error();
+    if (!positions.ok()) return positions.error();
 
     Placement placement;
     placement.start.directions = static_cast<std::uint32_t>(directions.pairs.size());
@@ -151,14 +151,14 @@ Result<std::uint32_t> adjust_in_rounds(WorkingModel& model, const std::vector<Fe
         AdjustmentOptions adjustment = options.global.adjustment;
         if (!last) adjustment.function_tolerance = options.global.round_tolerance;
         const auto report = adjust(model, full_scope(model, !fix_intrinsics), adjustment, cancel);
-        if (!report) return report.error();
+        if (!report.ok()) return report.error();
         ++adjustments;
         filter_tracks(model, {}, allowed);
         allowed.max_error_px = std::max(0.5 * allowed.max_error_px, options.tracks.max_error_px);
     }
     const SolveEffort effort = options.policy.effort_of(model.registered_count());
     const auto all = refine_changed_model(model, effort, fix_intrinsics, options, cancel);
-    if (!all) return all.error();
+    if (!all.ok()) return all.error();
     return adjustments + *all;
 }
 
@@ -169,17 +169,17 @@ Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProble
                                         const std::atomic<bool>* cancel) {
     if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
     const auto calibrated = calibrate_shared_cameras(problem, graph, options, cancel);
-    if (!calibrated) return calibrated.error();
+    if (!calibrated.ok()) return calibrated.error();
     for (const auto& [id, camera] : *calibrated) model.mutable_camera(id) = camera;
     for (const auto& [twin, camera] : problem.twins) model.share_lens(camera);
     auto placement = place_images(
         model, problem, pairs_seen_through(*calibrated, problem, graph, options.verification),
         options);
-    if (!placement) return placement.error();
+    if (!placement.ok()) return placement.error();
     const auto adjusted = adjust_in_rounds(
         model, covering_tracks(model, placement->pairs, options.global.adjusted_tracks_per_image),
         problem.fix_intrinsics, options, cancel);
-    if (!adjusted) {
+    if (!adjusted.ok()) {
         unregister_all(model);
         return adjusted.error();
     }

@@ -89,6 +89,7 @@ Adjusted adjusted(const std::shared_ptr<const Reconstruction>& model, const Clus
     scope.points = covering_points(working, {}, options.points_per_image);
     const AdjustmentOptions adjustment{
         .loss_scale_px = 1.0, .max_iterations = options.max_iterations, .function_tolerance = 1e-4};
+    // Expected: ties that no model of theirs can be adjusted with are told by nothing
     if (!adjust(working, scope, adjustment).ok()) return {};
     std::vector<std::uint32_t> others;
     for (std::uint32_t point = 0; point < working.points().size(); ++point) {

@@ -99,7 +99,7 @@ VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& 
                              with_focal(verified2, graph.cameras.at(image2.camera)),
                              {}};
     auto geometry = with_intrinsics(pair->geometry, views, options);
-    if (!geometry.ok()) return nullptr;
+    if (!geometry.ok()) return nullptr;  // Expected: its matches do not hold with these cameras
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
 }
 
@@ -127,7 +127,7 @@ VerifiedPairPtr as_averaged(const VerifiedPairPtr& pair, const ClusterProblem& p
     auto geometry =
         with_rotation(pair->geometry, views, graph.rotations[j] * graph.rotations[i].conjugate(),
                       options.verification, {.max_angle_deg = options.max_edge_error_deg});
-    if (!geometry.ok()) return nullptr;
+    if (!geometry.ok()) return nullptr;  // Expected: its matches do not hold with this rotation
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
 }
 

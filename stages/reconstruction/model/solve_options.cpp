@@ -7,7 +7,7 @@ namespace psfm {
 Result<void> validate(const GlobalOptions& options) {
     for (const Result<void>& part : {validate(options.directions), validate(options.positions),
                                      validate(options.adjustment)}) {
-        if (!part.ok()) return part;
+        if (!part.ok()) return part.error();
     }
     if (!(options.track_weight > 0) || !(options.start_error_px > 0) ||
         options.calibration_images < 2 || options.adjusted_tracks_per_image == 0 ||
@@ -27,12 +27,12 @@ Result<void> validate(const SolveOptions& options) {
           validate(options.rotation_averaging), validate(options.global), validate(options.policy),
           validate(options.places), validate(options.loops), validate(options.ties),
           validate(options.assessment), validate(options.doubt)}) {
-        if (!part.ok()) return part;
+        if (!part.ok()) return part.error();
     }
     if (!(options.max_edge_error_deg > 0))
         return Error{ErrorCode::kInvalidArgument, "rho_g,max must be positive"};
     if (options.plausibility) {
-        if (auto valid = validate(*options.plausibility); !valid) return valid;
+        if (auto valid = validate(*options.plausibility); !valid.ok()) return valid.error();
     }
     if (!(options.few_points.min_inlier_ratio > 0) || !(options.few_points.min_inlier_ratio <= 1) ||
         (options.few_points.min_points > 0 && options.few_points.min_points < 4)) {

@@ -14,6 +14,7 @@
 #include "stages/reconstruction/build/refine_model.h"
 #include "stages/reconstruction/checks/open_edges.h"
 #include "stages/reconstruction/checks/separate_places.h"
+#include "stages/reconstruction/model/cancelled.h"
 
 namespace psfm {
 namespace {
@@ -97,23 +98,29 @@ Result<std::vector<Sim3>> solve_poses(const LoopEdges& edges, std::size_t images
     return refine_cluster_poses(all, sizes, std::vector<Sim3>(images), pose_graph);
 }
 
+using MaybeClosing = std::optional<Closing>;
+
 /// Nothing when too few edges close, or when these tear what holds.
-std::optional<Closing> find_closing(const WorkingModel& model, LoopEdges edges, bool at_breaks,
-                                    const LoopOptions& options) {
+/// @errors those of solve_cluster_poses, kCancelled
+Result<MaybeClosing> find_closing(const WorkingModel& model, LoopEdges edges, bool at_breaks,
+                                  const SolveContext& context) {
+    const LoopOptions& options = context.options.loops;
     for (int pass = 0; pass < kMaxPasses && edges.open.size() >= options.min_open_edges; ++pass) {
+        if (const auto going_on = not_cancelled(context.cancel); !going_on.ok())
+            return going_on.error();
         auto poses = solve_poses(edges, model.image_count(), at_breaks, options);
-        if (!poses.ok()) return std::nullopt;
+        if (!poses.ok()) return poses.error();
         const auto is_far = [&](const PoseGraphEdge& edge) {
             return residual_of(edge, *poses) > options.max_residual;
         };
         // Those that the others do not let close are wrong, and pull at the model in vain.
         if (std::erase_if(edges.open, is_far) > 0) continue;
         const auto torn = static_cast<double>(std::ranges::count_if(edges.holding, is_far));
-        if (torn > kMaxTorn * static_cast<double>(edges.open.size())) return std::nullopt;
+        if (torn > kMaxTorn * static_cast<double>(edges.open.size())) return MaybeClosing();
         std::vector<std::uint32_t> strained = strained_images(edges, *poses);
-        return Closing{*std::move(poses), std::move(strained)};
+        return MaybeClosing(Closing{*std::move(poses), std::move(strained)});
     }
-    return std::nullopt;
+    return MaybeClosing();
 }
 
 /// Points go where their images go, in the mean.
@@ -152,8 +159,13 @@ Result<LoopClosing> close_loops(WorkingModel& model, const SolveContext& context
     LoopEdges edges{find_open_edges(model, context.graph, loops), {}};
     if (edges.open.size() < loops.min_open_edges) return nothing;
     edges.holding = find_holding_edges(model, context.graph, loops);
-    auto closing = find_closing(model, edges, /*at_breaks=*/true, loops);
-    if (!closing) closing = find_closing(model, edges, /*at_breaks=*/false, loops);
+    MaybeClosing closing;
+    for (const bool at_breaks : {true, false}) {
+        auto found = find_closing(model, edges, at_breaks, context);
+        if (!found.ok()) return found.error();
+        closing = *std::move(found);
+        if (closing) break;
+    }
     if (!closing) return nothing;
     WorkingModel trial = model;
     move(trial, closing->model_from_image);

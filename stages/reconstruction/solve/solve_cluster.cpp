@@ -62,7 +62,7 @@ Result<SolveAttempt> solve_or_reset(const SolveContext& context,
         return attempt;
     }
     auto fresh = solve_new(new_start_of(problem, context.options.policy), context, matches);
-    if (!fresh.ok()) return fresh;
+    if (!fresh.ok()) return fresh.error();
     if (is_better(*fresh, *attempt, *reason, context.options)) {
         fresh->statistics.reset = Reset{*reason, attempt->contradiction,
                                         static_cast<std::uint32_t>(attempt->model.images.size())};
@@ -87,7 +87,7 @@ Result<SolveAttempt> attempt_solve(const ClusterProblem& problem, const SolveOpt
     const SolveContext context{problem, *graph, options, cancel};
     auto attempt = plan.start == SolveStart::kRecycled ? solve_or_reset(context, matches)
                                                        : solve_new(plan.start, context, matches);
-    if (!attempt.ok()) return attempt;
+    if (!attempt.ok()) return attempt.error();
     if (plan.start != SolveStart::kRecycled)
         attempt->state.images_at_start = static_cast<std::uint32_t>(problem.images.size());
     attempt->statistics.removed_edges = graph->removed_edges;

@@ -66,11 +66,12 @@ Result<SolveAttempt> solve_incrementally(const SolveContext& context,
     for (int start = 0; start < kStarts; ++start) {
         SolveDraft draft = make_draft(context, matches);
         const auto seed = initialize_model(draft.model, context.graph, used, context.options);
-        if (!seed.ok()) break;
+        if (!seed.ok()) break;  // Expected: no further pair starts a model
         draft.state.images_at_full_adjustment = draft.model.registered_count();
         draft.statistics.registered = draft.model.registered_count();
         const auto grown = grow_model(draft, context);
-        if (!grown.ok() && is_cancelled(grown.error())) return grown.error();
+        // A start that degenerates leads nowhere; another one may.
+        if (!grown.ok() && grown.error().code != ErrorCode::kDegenerate) return grown.error();
         if (grown.ok()) {
             const auto taken = take_if_larger(draft, context, best);
             if (!taken.ok()) return taken.error();

@@ -44,8 +44,10 @@ Result<void> adjust_joined(SolveDraft& draft, const Recycling& recycling,
     const std::size_t adjusted = draft.state.images_at_full_adjustment;
     if (!context.options.policy.full_adjustment.is_due(adjusted + recycling.images.size(),
                                                        adjusted)) {
-        draft.statistics.local_adjustments +=
-            refine_joined_locally(draft.model, recycling.images, fix_intrinsics, context.options);
+        const auto locally = refine_joined_locally(draft.model, recycling.images, fix_intrinsics,
+                                                   context.options, context.cancel);
+        if (!locally.ok()) return locally.error();
+        draft.statistics.local_adjustments += *locally;
         return {};
     }
     const auto adjustments =

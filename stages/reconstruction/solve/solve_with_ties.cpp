@@ -32,7 +32,7 @@ Result<SolveAttempt> solve_on(const ClusterProblem& problem, const TieVerdict& v
     again.recycled_state = before.state;
     again.settle = true;
     auto solved = attempt_solve(tied(again, verdict.ties));
-    if (!solved.ok()) return solved;
+    if (!solved.ok()) return solved.error();
     solved->statistics.kind = before.statistics.kind;
     solved->statistics.reset = before.statistics.reset;
     solved->statistics.registered += before.statistics.registered;
@@ -52,7 +52,7 @@ Result<SolveAttempt> settle_ties(SolveAttempt attempt, CameraTies ties,
         if (verdict.ties == ties) break;
         ties = verdict.ties;
         auto solved = solve_on(problem, verdict, attempt, attempt_solve);
-        if (!solved.ok()) return solved;
+        if (!solved.ok()) return solved.error();
         attempt = *std::move(solved);
         attempt.state.images_at_ties = static_cast<std::uint32_t>(attempt.model.images.size());
         attempt.statistics.ties_changed = true;

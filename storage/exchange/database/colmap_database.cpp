@@ -108,19 +108,19 @@ bool counts(PairConfig config) {
 }  // namespace
 
 Result<void> ColmapDatabase::Connection::open(const std::filesystem::path& file) {
-    if (auto opened = database.open_to_read(file); !opened) return opened;
-    if (auto checked = colmap::check_tables(database); !checked) return checked;
+    if (auto opened = database.open_to_read(file); !opened.ok()) return opened.error();
+    if (auto checked = colmap::check_tables(database); !checked.ok()) return checked.error();
     using colmap::BlockReader;
     auto made = BlockReader::make(database, "keypoints", "image_id", sizeof(float), {2, 4, 6});
-    if (!made) return made.error();
+    if (!made.ok()) return made.error();
     keypoints = *std::move(made);
     made = BlockReader::make(database, "descriptors", "image_id", 1, {Descriptors::kSize});
-    if (!made) return made.error();
+    if (!made.ok()) return made.error();
     descriptors = *std::move(made);
     descriptors->pass_over_others();
     made =
         BlockReader::make(database, "two_view_geometries", "pair_id", sizeof(std::uint32_t), {2});
-    if (!made) return made.error();
+    if (!made.ok()) return made.error();
     matches = *std::move(made);
     return {};
 }
@@ -143,7 +143,7 @@ Result<void> ColmapDatabase::Connection::read_entries() {
             if (found != entries.end()) found->second.features = static_cast<std::uint32_t>(rows);
             return {};
         });
-    if (!read) return read;
+    if (!read.ok()) return read.error();
     read = colmap::for_each_row(
         database, "SELECT pair_id,config FROM two_view_geometries WHERE rows<>0",
         [&](const SqliteStatement& row) -> Result<void> {
@@ -162,7 +162,7 @@ Result<void> ColmapDatabase::Connection::read_entries() {
             second->second.partners.push_back(pair->first);
             return {};
         });
-    if (!read) return read;
+    if (!read.ok()) return read.error();
     for (auto& [image, entry] : entries) {
         std::ranges::sort(entry.partners);
         if (std::ranges::adjacent_find(entry.partners) != entry.partners.end()) {
@@ -175,7 +175,7 @@ Result<void> ColmapDatabase::Connection::read_entries() {
 Result<std::vector<FeatureMatch>> ColmapDatabase::Connection::read_matches(std::uint32_t first,
                                                                            std::uint32_t second) {
     const auto block = matches->read(colmap::pair_key(first, second));
-    if (!block) return block.error();
+    if (!block.ok()) return block.error();
     const std::uint32_t features1 = entries.at(first).features;
     const std::uint32_t features2 = entries.at(second).features;
     std::vector<FeatureMatch> found(block->rows);
@@ -197,18 +197,18 @@ ColmapDatabase::~ColmapDatabase() = default;
 Result<std::unique_ptr<ColmapDatabase>> ColmapDatabase::open(const std::filesystem::path& file) {
     std::unique_ptr<ColmapDatabase> result(new ColmapDatabase);
     Connection& connection = *result->connection_;
-    if (auto opened = connection.open(file); !opened) return opened.error();
+    if (auto opened = connection.open(file); !opened.ok()) return opened.error();
     auto cameras = colmap::read_cameras(connection.database);
-    if (!cameras) return cameras.error();
+    if (!cameras.ok()) return cameras.error();
     result->cameras_ = *std::move(cameras);
     auto images = colmap::read_images(connection.database, result->cameras_);
-    if (!images) return images.error();
+    if (!images.ok()) return images.error();
     result->images_ = *std::move(images);
     for (const DatabaseImage& image : result->images_) {
         if (connection.entries.try_emplace(image.id).second) continue;
         return connection.damaged("image " + std::to_string(image.id) + " is there twice");
     }
-    if (auto read = connection.read_entries(); !read) return read.error();
+    if (auto read = connection.read_entries(); !read.ok()) return read.error();
     return result;
 }
 
@@ -219,9 +219,9 @@ std::size_t ColmapDatabase::verified_pairs() const {
 Result<Keypoints> ColmapDatabase::keypoints(std::uint32_t image) const {
     const std::scoped_lock lock(connection_->mutex);
     const auto entry = connection_->entry(image);
-    if (!entry) return entry.error();
+    if (!entry.ok()) return entry.error();
     const auto block = connection_->keypoints->read(image);
-    if (!block) return block.error();
+    if (!block.ok()) return block.error();
     if (block->rows != (*entry)->features) {
         return connection_->damaged("the features of image " + std::to_string(image) +
                                     " have changed since the database was opened");
@@ -241,9 +241,9 @@ Result<Keypoints> ColmapDatabase::keypoints(std::uint32_t image) const {
 Result<Descriptors> ColmapDatabase::descriptors(std::uint32_t image) const {
     const std::scoped_lock lock(connection_->mutex);
     const auto entry = connection_->entry(image);
-    if (!entry) return entry.error();
+    if (!entry.ok()) return entry.error();
     const auto block = connection_->descriptors->read(image);
-    if (!block) return block.error();
+    if (!block.ok()) return block.error();
     if (block->rows != 0 && block->rows != (*entry)->features) {
         return connection_->damaged("image " + std::to_string(image) + " has " +
                                     std::to_string((*entry)->features) + " features, but " +
@@ -259,12 +259,12 @@ Result<Descriptors> ColmapDatabase::descriptors(std::uint32_t image) const {
 Result<std::vector<DatabaseMatches>> ColmapDatabase::matches(std::uint32_t image) const {
     const std::scoped_lock lock(connection_->mutex);
     const auto entry = connection_->entry(image);
-    if (!entry) return entry.error();
+    if (!entry.ok()) return entry.error();
     std::vector<DatabaseMatches> all;
     all.reserve((*entry)->partners.size());
     for (const std::uint32_t other : (*entry)->partners) {
         auto found = connection_->read_matches(std::min(image, other), std::max(image, other));
-        if (!found) return found.error();
+        if (!found.ok()) return found.error();
         DatabaseMatches& pair = all.emplace_back(DatabaseMatches{other, *std::move(found)});
         if (image < other) continue;
         for (FeatureMatch& match : pair.matches) std::swap(match.first, match.second);

@@ -36,7 +36,7 @@ struct ColmapDatabaseWriter::Connection {
     Result<void> finish();
     /// Without a journal nothing can be taken back: after a failure, finish() fails, too.
     Result<void> kept(const Result<void>& done) {
-        if (!done && !failure) failure = done.error();
+        if (!done.ok() && !failure) failure = done.error();
         return done;
     }
 
@@ -200,14 +200,14 @@ Geometry geometry_of(const TwoViewGeometry& pair, const Camera& camera1, const C
 
 Result<void> ColmapDatabaseWriter::Connection::open(const std::filesystem::path& path) {
     file = path;
-    if (auto checked = check_nobody_writes(file); !checked) return checked;
+    if (auto checked = check_nobody_writes(file); !checked.ok()) return checked.error();
     const std::filesystem::path partial = file.string() + ".partial";
     std::error_code code;
     std::filesystem::remove(partial, code);
     if (code) return file_error(partial, code.value());
     temporary = partial;
-    if (auto made = database.create(partial, file); !made) return made;
-    if (auto made = database.execute(kSchema); !made) return made;
+    if (auto made = database.create(partial, file); !made.ok()) return made.error();
+    if (auto made = database.execute(kSchema); !made.ok()) return made.error();
     const std::pair<SqliteStatement*, const char*> statements[] = {
         {&camera, "INSERT INTO cameras VALUES(?1,?2,?3,?4,?5,?6)"},
         {&image, "INSERT INTO images(image_id,name,camera_id) VALUES(?1,?2,?3)"},
@@ -218,7 +218,7 @@ Result<void> ColmapDatabaseWriter::Connection::open(const std::filesystem::path&
     };
     for (const auto& [statement, sql] : statements) {
         auto prepared = database.prepare(sql);
-        if (!prepared) return prepared.error();
+        if (!prepared.ok()) return prepared.error();
         *statement = *std::move(prepared);
     }
     return {};
@@ -226,7 +226,7 @@ Result<void> ColmapDatabaseWriter::Connection::open(const std::filesystem::path&
 
 Result<void> ColmapDatabaseWriter::Connection::write_camera(CameraId id, const Camera& value) {
     const std::uint32_t number = index_of(id) + 1;
-    if (auto valid = validate(value); !valid) {
+    if (auto valid = validate(value); !valid.ok()) {
         return refused("camera " + std::to_string(number) + ": " + valid.error().message);
     }
     Bytes params;
@@ -299,7 +299,7 @@ Result<void> ColmapDatabaseWriter::Connection::write_pair(const VerifiedPair& va
             .bind(3, std::int64_t{2})
             .bind(4, bytes);
     };
-    if (auto written = put_matches(matches).run(); !written) return written;
+    if (auto written = put_matches(matches).run(); !written.ok()) return written.error();
 
     const Geometry parts = geometry_of(value.geometry, camera1, camera2);
     const Bytes fundamental = bytes_of(parts.fundamental);
@@ -322,14 +322,14 @@ Result<void> ColmapDatabaseWriter::Connection::write_pair(const VerifiedPair& va
 
 Result<void> ColmapDatabaseWriter::Connection::finish() {
     if (failure) return *failure;
-    if (auto done = database.execute("COMMIT"); !done) return done;
+    if (auto done = database.execute("COMMIT"); !done.ok()) return done.error();
     for (SqliteStatement* statement :
          {&camera, &image, &keypoints, &descriptors, &matches, &geometry}) {
         *statement = SqliteStatement();
     }
-    if (auto done = database.close(); !done) return done;
-    if (auto done = sync_to_device(temporary, file); !done) return done;
-    if (auto checked = check_nobody_writes(file); !checked) return checked;
+    if (auto done = database.close(); !done.ok()) return done.error();
+    if (auto done = sync_to_device(temporary, file); !done.ok()) return done.error();
+    if (auto checked = check_nobody_writes(file); !checked.ok()) return checked.error();
     std::error_code code;
     std::filesystem::rename(temporary, file, code);
     if (code) return file_error(file, code.value());
@@ -343,7 +343,7 @@ ColmapDatabaseWriter::~ColmapDatabaseWriter() = default;
 Result<std::unique_ptr<ColmapDatabaseWriter>> ColmapDatabaseWriter::create(
     const std::filesystem::path& file) {
     std::unique_ptr<ColmapDatabaseWriter> writer(new ColmapDatabaseWriter);
-    if (auto opened = writer->connection_->open(file); !opened) return opened.error();
+    if (auto opened = writer->connection_->open(file); !opened.ok()) return opened.error();
     return writer;
 }
 

@@ -24,10 +24,10 @@ Result<BlockReader> BlockReader::make(SqliteConnection& database, const std::str
     reader.allowed_cols_ = allowed_cols;
     // length() of a blob is told by the row's header: the data stay untouched.
     auto shape = database.prepare("SELECT rows,cols,length(data),typeof(data)" + rest);
-    if (!shape) return shape.error();
+    if (!shape.ok()) return shape.error();
     reader.shape_ = *std::move(shape);
     auto data = database.prepare("SELECT data" + rest);
-    if (!data) return data.error();
+    if (!data.ok()) return data.error();
     reader.data_ = *std::move(data);
     return reader;
 }
@@ -46,7 +46,7 @@ Result<Block> BlockReader::read(std::int64_t key) {
     data_.reset();
     shape_.bind(1, key);
     const auto found = shape_.step();
-    if (!found) return found.error();
+    if (!found.ok()) return found.error();
     if (!*found) return Block{};
     const auto rows = shape_.integer(0);
     const auto cols = shape_.integer(1);
@@ -73,7 +73,7 @@ Result<Block> BlockReader::read(std::int64_t key) {
     }
     data_.bind(1, key);
     const auto stepped = data_.step();
-    if (!stepped) return stepped.error();
+    if (!stepped.ok()) return stepped.error();
     const auto bytes = *stepped ? data_.blob(0) : std::nullopt;
     if (!bytes || bytes->size() != static_cast<std::size_t>(length)) {
         return damaged(key, "data cannot be read");

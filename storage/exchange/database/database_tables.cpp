@@ -42,7 +42,7 @@ Result<std::uint32_t> id_at(const SqliteConnection& database, const SqliteStatem
 Result<std::pair<std::uint32_t, Camera>> camera_of(const SqliteConnection& database,
                                                    const SqliteStatement& row) {
     const auto id = id_at(database, row, 0, "a camera");
-    if (!id) return id.error();
+    if (!id.ok()) return id.error();
     const auto damaged = [&](const std::string& problem) {
         return damaged_database(database.path(), "camera " + std::to_string(*id) + ": " + problem);
     };
@@ -70,7 +70,7 @@ Result<std::pair<std::uint32_t, Camera>> camera_of(const SqliteConnection& datab
         return damaged("its parameters are not " + std::to_string(count) + " numbers");
     }
     for (std::size_t i = 0; i < count; ++i) camera.params[i] = little_endian_at<double>(*params, i);
-    if (auto valid = validate(camera); !valid) return damaged(valid.error().message);
+    if (auto valid = validate(camera); !valid.ok()) return damaged(valid.error().message);
     return std::pair(*id, camera);
 }
 
@@ -88,13 +88,13 @@ Result<void> check_tables(SqliteConnection& database) {
                 stored = true;
                 return Result<void>{};
             });
-        if (!looked) return looked;
+        if (!looked.ok()) return looked.error();
         looked = for_each_row(database, "SELECT name FROM pragma_table_info('" + table.name + "')",
                               [&](const SqliteStatement& row) {
                                   columns.emplace_back(row.text(0).value_or(""));
                                   return Result<void>{};
                               });
-        if (!looked) return looked;
+        if (!looked.ok()) return looked.error();
         if (!stored) {
             return damaged_database(database.path(), "no database of COLMAP's, the table " +
                                                          table.name + " is missing");
@@ -116,12 +116,12 @@ Result<std::map<std::uint32_t, Camera>> read_cameras(SqliteConnection& database)
         "prior_focal_length FROM cameras",
         [&](const SqliteStatement& row) -> Result<void> {
             const auto camera = camera_of(database, row);
-            if (!camera) return camera.error();
+            if (!camera.ok()) return camera.error();
             if (cameras.insert(*camera).second) return {};
             return damaged_database(database.path(),
                                     "camera " + std::to_string(camera->first) + " is there twice");
         });
-    if (!read) return read.error();
+    if (!read.ok()) return read.error();
     return cameras;
 }
 
@@ -132,10 +132,10 @@ Result<std::vector<DatabaseImage>> read_images(SqliteConnection& database,
         database, "SELECT image_id,name,camera_id FROM images",
         [&](const SqliteStatement& row) -> Result<void> {
             const auto id = id_at(database, row, 0, "an image");
-            if (!id) return id.error();
+            if (!id.ok()) return id.error();
             const std::string who = "image " + std::to_string(*id);
             const auto camera = id_at(database, row, 2, "the camera of " + who);
-            if (!camera) return camera.error();
+            if (!camera.ok()) return camera.error();
             const auto name = row.text(1);
             if (!name) return damaged_database(database.path(), who + " has no name");
             if (const auto problem = problem_of_name(*name)) {
@@ -149,7 +149,7 @@ Result<std::vector<DatabaseImage>> read_images(SqliteConnection& database,
             images.push_back({*id, *camera, std::string(*name)});
             return {};
         });
-    if (!read) return read.error();
+    if (!read.ok()) return read.error();
     std::ranges::sort(images, {}, &DatabaseImage::name);
     const auto twice = std::ranges::adjacent_find(images, {}, &DatabaseImage::name);
     if (twice != images.end()) {

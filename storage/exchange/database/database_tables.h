@@ -20,12 +20,12 @@ namespace psfm::colmap {
 template <typename Use>
 Result<void> for_each_row(SqliteConnection& database, const std::string& sql, const Use& use) {
     auto statement = database.prepare(sql);
-    if (!statement) return statement.error();
+    if (!statement.ok()) return statement.error();
     while (true) {
         const auto row = statement->step();
-        if (!row) return row.error();
+        if (!row.ok()) return row.error();
         if (!*row) return {};
-        if (auto used = use(*statement); !used) return used;
+        if (auto used = use(*statement); !used.ok()) return used.error();
     }
 }
 

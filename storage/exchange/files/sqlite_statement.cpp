@@ -73,7 +73,7 @@ void SqliteStatement::reset() {
 Result<void> SqliteStatement::run() {
     const auto stepped = step();
     reset();
-    if (!stepped) return stepped.error();
+    if (!stepped.ok()) return stepped.error();
     return {};
 }
 
@@ -113,10 +113,10 @@ Result<void> SqliteConnection::open(const std::string& name, int flags) {
 Result<void> SqliteConnection::open_to_read(const std::filesystem::path& file) {
     path_ = file;
     const auto look = look_at_sqlite_file(file);
-    if (!look) return look.error();
+    if (!look.ok()) return look.error();
     const auto opened = open(sqlite_uri(file, look->lies_still),
                              SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX);
-    if (!opened) return opened;
+    if (!opened.ok()) return opened.error();
     for (const int off : {SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW}) {
         sqlite3_db_config(database_.get(), off, 0, nullptr);
     }
@@ -129,7 +129,7 @@ Result<void> SqliteConnection::create(const std::filesystem::path& file,
     writes_ = true;
     const auto opened = open(sqlite_uri(file, false), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE |
                                                           SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX);
-    if (!opened) return opened;
+    if (!opened.ok()) return opened.error();
     return execute(kWritingSettings);
 }
 

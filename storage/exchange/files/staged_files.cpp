@@ -50,7 +50,7 @@ Result<void> StagedFiles::make_folder(const std::filesystem::path& folder) {
 
 Result<std::filesystem::path> StagedFiles::begin(const std::filesystem::path& path) {
     const std::lock_guard lock(mutex_);
-    if (auto made = make_folder(path.parent_path()); !made) return made.error();
+    if (auto made = make_folder(path.parent_path()); !made.ok()) return made.error();
     return begun_.emplace_back(path.string() + ".partial");
 }
 
@@ -66,17 +66,17 @@ void StagedFiles::stage_unless_equal(const std::filesystem::path& temporary,
 Result<void> StagedFiles::write(const std::filesystem::path& path,
                                 const std::function<void(OutputFile&)>& contents) {
     const auto temporary = begin(path);
-    if (!temporary) return temporary.error();
+    if (!temporary.ok()) return temporary.error();
     OutputFile file(*temporary);
     contents(file);
-    if (auto closed = file.close(); !closed) return closed;
+    if (auto closed = file.close(); !closed.ok()) return closed.error();
     stage_unless_equal(*temporary, path);
     return {};
 }
 
 Result<void> StagedFiles::link(const std::filesystem::path& of, const std::filesystem::path& path) {
     const auto temporary = begin(path);
-    if (!temporary) return temporary.error();
+    if (!temporary.ok()) return temporary.error();
     const auto original = std::ranges::find(staged_, of, &Staged::path);
     const std::filesystem::path& source =
         original == staged_.end() || original->temporary.empty() ? of : original->temporary;
@@ -92,7 +92,7 @@ Result<void> StagedFiles::link(const std::filesystem::path& of, const std::files
 Result<void> StagedFiles::link_folder(const std::filesystem::path& target,
                                       const std::filesystem::path& path) {
     const auto temporary = begin(path);
-    if (!temporary) return temporary.error();
+    if (!temporary.ok()) return temporary.error();
     std::error_code failure;
     if (std::filesystem::read_symlink(path, failure) == target) {
         staged_.push_back({{}, path});

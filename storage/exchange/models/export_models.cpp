@@ -165,7 +165,7 @@ Result<void> add_all_features(const KeypointsProvider& provider, FeatureUse use,
         const auto& used = uses[image.id];
         if (use != FeatureUse::kAll && used.empty()) continue;
         const auto keypoints = provider(static_cast<ImageId>(image.id - 1));
-        if (!keypoints) return keypoints.error();
+        if (!keypoints.ok()) return keypoints.error();
         for (const auto& [feature, point] : used) {
             if (feature >= (*keypoints)->size()) {
                 return Error{ErrorCode::kDamaged,
@@ -196,11 +196,12 @@ Result<std::vector<ExportedModel>> export_models(const Scene& scene, std::span<c
     for (const auto& [effective_cluster, clusters] : by_effective_cluster(scene)) {
         ExportedModel model;
         std::map<ImageId, const SceneCluster*> placed_by;
-        if (auto added = add_images(clusters, images, model, placed_by); !added)
+        if (auto added = add_images(clusters, images, model, placed_by); !added.ok())
             return added.error();
         add_points(clusters, placed_by, model);
         if (use != FeatureUse::kNone) {
-            if (auto added = add_all_features(keypoints, use, model); !added) return added.error();
+            if (auto added = add_all_features(keypoints, use, model); !added.ok())
+                return added.error();
         }
         models.push_back(std::move(model));
     }

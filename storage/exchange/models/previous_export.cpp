@@ -17,7 +17,7 @@ Result<PreviousExport> PreviousExport::read(const std::filesystem::path& folder)
     std::error_code ignored;
     if (!std::filesystem::exists(folder / kListName, ignored)) return previous;
     auto input = TextInput::open(folder / kListName);
-    if (!input) return input.error();
+    if (!input.ok()) return input.error();
     while (input->next_content_line()) previous.paths_.emplace(input->line());
     return previous;
 }

@@ -146,10 +146,12 @@ Result<ExportedModel> read_colmap_model(const std::filesystem::path& folder,
 
     auto images = binary ? colmap::read_images_binary(images_path, options.keypoints)
                          : colmap::read_images_text(images_path, options.keypoints);
-    if (!images) return images.error();
+    if (!images.ok()) return images.error();
     model.images = *std::move(images);
-    if (auto sorted = colmap::sort_by_id(model.images, images_path); !sorted) return sorted.error();
-    if (auto checked = colmap::check_names(model, images_path); !checked) return checked.error();
+    if (auto sorted = colmap::sort_by_id(model.images, images_path); !sorted.ok())
+        return sorted.error();
+    if (auto checked = colmap::check_names(model, images_path); !checked.ok())
+        return checked.error();
 
     if (options.cameras) {
         if (!std::filesystem::exists(cameras_path)) {
@@ -158,23 +160,24 @@ Result<ExportedModel> read_colmap_model(const std::filesystem::path& folder,
         }
         auto cameras = binary ? colmap::read_cameras_binary(cameras_path)
                               : colmap::read_cameras_text(cameras_path);
-        if (!cameras) return cameras.error();
+        if (!cameras.ok()) return cameras.error();
         model.cameras = *std::move(cameras);
-        if (auto sorted = colmap::sort_by_id(model.cameras, cameras_path); !sorted)
+        if (auto sorted = colmap::sort_by_id(model.cameras, cameras_path); !sorted.ok())
             return sorted.error();
-        if (auto checked = colmap::check_cameras(model, images_path); !checked)
+        if (auto checked = colmap::check_cameras(model, images_path); !checked.ok())
             return checked.error();
     }
 
     if (options.points && std::filesystem::exists(points_path)) {
         auto points = binary ? colmap::read_points_binary(points_path)
                              : colmap::read_points_text(points_path);
-        if (!points) return points.error();
+        if (!points.ok()) return points.error();
         model.points = *std::move(points);
-        if (auto sorted = colmap::sort_by_id(model.points, points_path); !sorted)
+        if (auto sorted = colmap::sort_by_id(model.points, points_path); !sorted.ok())
             return sorted.error();
         if (options.keypoints) {
-            if (auto checked = colmap::check_tracks(model, images_path, points_path); !checked) {
+            if (auto checked = colmap::check_tracks(model, images_path, points_path);
+                !checked.ok()) {
                 return checked.error();
             }
         }

@@ -41,10 +41,10 @@ bool read_doubles(BinaryInput& input, double* values, int count) {
 
 Result<std::vector<ExportedCamera>> read_cameras_binary(const std::filesystem::path& path) {
     auto opened = BinaryInput::open(path);
-    if (!opened) return opened.error();
+    if (!opened.ok()) return opened.error();
     BinaryInput& input = *opened;
     const auto count = read_count(input, kMinCameraBytes, "cameras");
-    if (!count) return count.error();
+    if (!count.ok()) return count.error();
     std::vector<ExportedCamera> cameras(*count);
     for (ExportedCamera& item : cameras) {
         std::int32_t model = 0;
@@ -77,10 +77,10 @@ Result<std::vector<ExportedCamera>> read_cameras_binary(const std::filesystem::p
 Result<std::vector<ExportedImage>> read_images_binary(const std::filesystem::path& path,
                                                       bool keep_keypoints) {
     auto opened = BinaryInput::open(path);
-    if (!opened) return opened.error();
+    if (!opened.ok()) return opened.error();
     BinaryInput& input = *opened;
     const auto count = read_count(input, kMinImageBytes, "images");
-    if (!count) return count.error();
+    if (!count.ok()) return count.error();
     std::vector<ExportedImage> images;
     images.reserve(*count);
     for (std::uint64_t i = 0; i < *count; ++i) {
@@ -98,7 +98,7 @@ Result<std::vector<ExportedImage>> read_images_binary(const std::filesystem::pat
             return input.damaged("image name is empty, unterminated or too long");
         }
         const auto keypoint_count = read_count(input, kKeypointBytes, "features");
-        if (!keypoint_count) return keypoint_count.error();
+        if (!keypoint_count.ok()) return keypoint_count.error();
         if (keep_keypoints) image.keypoints.reserve(*keypoint_count);
         for (std::uint64_t k = 0; k < *keypoint_count; ++k) {
             ExportedKeypoint keypoint;
@@ -117,10 +117,10 @@ Result<std::vector<ExportedImage>> read_images_binary(const std::filesystem::pat
 
 Result<std::vector<ExportedPoint>> read_points_binary(const std::filesystem::path& path) {
     auto opened = BinaryInput::open(path);
-    if (!opened) return opened.error();
+    if (!opened.ok()) return opened.error();
     BinaryInput& input = *opened;
     const auto count = read_count(input, kMinPointBytes, "points");
-    if (!count) return count.error();
+    if (!count.ok()) return count.error();
     std::vector<ExportedPoint> points;
     points.reserve(*count);
     for (std::uint64_t i = 0; i < *count; ++i) {
@@ -134,7 +134,7 @@ Result<std::vector<ExportedPoint>> read_points_binary(const std::filesystem::pat
             return input.damaged("point is not finite");
         }
         const auto length = read_count(input, kObservationBytes, "observations");
-        if (!length) return length.error();
+        if (!length.ok()) return length.error();
         point.track.resize(*length);
         for (ExportedObservation& observation : point.track) {
             if (!input.read(observation.image_id) || !input.read(observation.keypoint)) {

@@ -40,7 +40,7 @@ Result<void> ended_well(const TextInput& input) {
 
 Result<std::vector<ExportedCamera>> read_cameras_text(const std::filesystem::path& path) {
     auto opened = TextInput::open(path);
-    if (!opened) return opened.error();
+    if (!opened.ok()) return opened.error();
     TextInput& input = *opened;
     std::vector<ExportedCamera> cameras;
     while (input.next_content_line()) {
@@ -60,14 +60,14 @@ Result<std::vector<ExportedCamera>> read_cameras_text(const std::filesystem::pat
         }
         if (const auto problem = problem_of(item.camera)) return input.damaged(*problem);
     }
-    if (const auto ended = ended_well(input); !ended) return ended.error();
+    if (const auto ended = ended_well(input); !ended.ok()) return ended.error();
     return cameras;
 }
 
 Result<std::vector<ExportedImage>> read_images_text(const std::filesystem::path& path,
                                                     bool keep_keypoints) {
     auto opened = TextInput::open(path);
-    if (!opened) return opened.error();
+    if (!opened.ok()) return opened.error();
     TextInput& input = *opened;
     std::vector<ExportedImage> images;
     while (input.next_content_line()) {
@@ -98,13 +98,13 @@ Result<std::vector<ExportedImage>> read_images_text(const std::filesystem::path&
             if (keep_keypoints) image.keypoints.push_back(keypoint);
         }
     }
-    if (const auto ended = ended_well(input); !ended) return ended.error();
+    if (const auto ended = ended_well(input); !ended.ok()) return ended.error();
     return images;
 }
 
 Result<std::vector<ExportedPoint>> read_points_text(const std::filesystem::path& path) {
     auto opened = TextInput::open(path);
-    if (!opened) return opened.error();
+    if (!opened.ok()) return opened.error();
     TextInput& input = *opened;
     std::vector<ExportedPoint> points;
     while (input.next_content_line()) {
@@ -122,7 +122,7 @@ Result<std::vector<ExportedPoint>> read_points_text(const std::filesystem::path&
             }
         }
     }
-    if (const auto ended = ended_well(input); !ended) return ended.error();
+    if (const auto ended = ended_well(input); !ended.ok()) return ended.error();
     return points;
 }
 

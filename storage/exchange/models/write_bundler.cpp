@@ -62,7 +62,7 @@ Result<void> stage_bundler(const ExportedModel& model, const std::filesystem::pa
         }
         for (const ExportedPoint& point : model.points) write_point(model, point, file);
     });
-    if (!written) return written;
+    if (!written.ok()) return written.error();
     return files.write(place / "list.txt", [&](OutputFile& file) {
         for (const ExportedImage& image : model.images) {
             file.text(image.name);

@@ -61,8 +61,8 @@ Result<void> stage_colmap_binary(const ExportedModel& model, const std::filesyst
     const auto write = [&](const char* name, auto write_part) {
         return files.write(place / name, [&](OutputFile& file) { write_part(model, file); });
     };
-    if (auto written = write("cameras.bin", write_cameras); !written) return written;
-    if (auto written = write("images.bin", write_images); !written) return written;
+    if (auto written = write("cameras.bin", write_cameras); !written.ok()) return written.error();
+    if (auto written = write("images.bin", write_images); !written.ok()) return written.error();
     return write("points3D.bin", write_points);
 }
 

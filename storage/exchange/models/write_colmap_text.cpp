@@ -72,8 +72,8 @@ Result<void> stage_colmap_text(const ExportedModel& model, const std::filesystem
     const auto write = [&](const char* name, auto write_part) {
         return files.write(place / name, [&](OutputFile& file) { write_part(model, file); });
     };
-    if (auto written = write("cameras.txt", write_cameras); !written) return written;
-    if (auto written = write("images.txt", write_images); !written) return written;
+    if (auto written = write("cameras.txt", write_cameras); !written.ok()) return written.error();
+    if (auto written = write("images.txt", write_images); !written.ok()) return written.error();
     return write("points3D.txt", write_points);
 }
 

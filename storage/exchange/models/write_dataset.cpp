@@ -19,16 +19,16 @@ Result<void> stage_stereo(const ExportedModel& model, const std::filesystem::pat
             file.text("\n__auto__, 20\n");  // as COLMAP 3.8's image_undistorter
         }
     });
-    if (!written) return written;
+    if (!written.ok()) return written.error();
     written = files.write(stereo / "fusion.cfg", [&](OutputFile& file) {
         for (const ExportedImage& image : model.images) {
             file.text(image.name);
             file.text("\n");
         }
     });
-    if (!written) return written;
+    if (!written.ok()) return written.error();
     for (const char* folder : kStereoFolders) {
-        if (auto made = files.folder(stereo / folder); !made) return made;
+        if (auto made = files.folder(stereo / folder); !made.ok()) return made.error();
     }
     return {};
 }
@@ -52,17 +52,19 @@ std::vector<std::filesystem::path> dataset_model_files(const std::filesystem::pa
 Result<void> stage_dataset(const ExportedModel& model, const std::filesystem::path& place,
                            bool masks, StagedFiles& files) {
     const std::filesystem::path sparse = place / "sparse";
-    if (auto written = stage_colmap_binary(model, sparse / "0", files); !written) return written;
+    if (auto written = stage_colmap_binary(model, sparse / "0", files); !written.ok())
+        return written.error();
     for (const char* name : kBinaries) {
-        if (auto linked = files.link(sparse / "0" / name, sparse / name); !linked) return linked;
+        if (auto linked = files.link(sparse / "0" / name, sparse / name); !linked.ok())
+            return linked.error();
     }
     auto written =
         stage_ply(model, sparse / "0" / "points3D", PlyContents::kPointsWithNormals, files);
-    if (!written) return written;
+    if (!written.ok()) return written.error();
     // Pinhole cameras are what OPENCV without distortion is, a name that all readers know.
     written = stage_nerfstudio(model, place, "images", masks ? "masks" : "",
                                PlyContents::kPointsWithNormals, files);
-    if (!written) return written;
+    if (!written.ok()) return written.error();
     return stage_stereo(model, place / "stereo", files);
 }
 

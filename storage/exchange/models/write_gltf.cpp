@@ -135,7 +135,7 @@ Result<void> stage_gltf(const ExportedModel& model, const std::filesystem::path&
     if (!model.points.empty()) {
         auto written = files.write(place.string() + ".bin",
                                    [&](OutputFile& file) { write_points(model, origin, file); });
-        if (!written) return written;
+        if (!written.ok()) return written.error();
     }
     return files.write(place.string() + ".gltf", [&](OutputFile& file) { file.text(text); });
 }

@@ -53,7 +53,8 @@ Result<void> stage_nerfstudio_model(const ExportedModel& model, const std::files
                                     const std::filesystem::path& photos, StagedFiles& files) {
     std::error_code ignored;
     if (std::filesystem::is_directory(photos, ignored)) {
-        if (auto linked = files.link_folder(photos, place / "images"); !linked) return linked;
+        if (auto linked = files.link_folder(photos, place / "images"); !linked.ok())
+            return linked.error();
     }
     return stage_nerfstudio(model, place, "images", {}, PlyContents::kPoints, files);
 }
@@ -180,28 +181,29 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
                      folder.string() + " is a file: choose another output folder"};
     }
     auto previous = PreviousExport::read(folder);
-    if (!previous) return previous.error();
+    if (!previous.ok()) return previous.error();
     StagedFiles files;
-    if (auto settled = settle_previous(models.size(), format, folder, *previous, files); !settled) {
+    if (auto settled = settle_previous(models.size(), format, folder, *previous, files);
+        !settled.ok()) {
         return settled.error();
     }
-    if (auto settled = settle_geo_files(folder, options.geo_files, *previous, files); !settled)
+    if (auto settled = settle_geo_files(folder, options.geo_files, *previous, files); !settled.ok())
         return settled.error();
     // The list comes first: should the machine stop between two files, none of them is a stranger.
-    if (auto staged = previous->stage(files); !staged) return staged.error();
+    if (auto staged = previous->stage(files); !staged.ok()) return staged.error();
     for (const auto& [name, text] : options.geo_files) {
         auto staged =
             files.write(folder / name, [&body = text](OutputFile& file) { file.text(body); });
-        if (!staged) return staged.error();
+        if (!staged.ok()) return staged.error();
     }
     Paths written;
     for (std::size_t n = 0; n < models.size(); ++n) {
         const std::filesystem::path place = folder / std::to_string(n);
-        if (auto staged = stage(models[n], n, format, place, options, files); !staged)
+        if (auto staged = stage(models[n], n, format, place, options, files); !staged.ok())
             return staged.error();
         written.push_back(has_own_folder(format) ? place : files_of(format, place).front());
     }
-    if (auto committed = files.commit(); !committed) return committed.error();
+    if (auto committed = files.commit(); !committed.ok()) return committed.error();
     return written;
 }
 

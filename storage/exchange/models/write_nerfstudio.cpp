@@ -74,7 +74,7 @@ Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem:
     }
     auto written =
         files.write(place / "transforms.json", [&](OutputFile& file) { file.text(text); });
-    if (!written) return written;
+    if (!written.ok()) return written.error();
     return stage_ply(model, place / "sparse_pc", points, files);
 }
 

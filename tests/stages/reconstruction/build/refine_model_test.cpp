@@ -175,10 +175,32 @@ TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
              {refine_model(*wall.model, true, options.growth, options, &cancel),
               refine_around(*wall.model, images, 0, true, options, &cancel),
               refine_joined(*wall.model, images, images, planned(options), true, options, &cancel),
-              refine_grown(*wall.model, 4, planned(options), true, options, &cancel)}) {
+              refine_grown(*wall.model, 4, planned(options), true, options, &cancel),
+              refine_locally(*wall.model, images, true, options, &cancel),
+              refine_joined_locally(*wall.model, images, true, options, &cancel)}) {
             ASSERT_FALSE(done.ok());
             EXPECT_EQ(done.error().code, ErrorCode::kCancelled);
         }
+    }
+}
+
+TEST(RefineLocally, SaysWhereThereIsNoSolution) {
+    const SceneModel wall(noisy_wall(8));
+    constexpr std::uint32_t kImage = 20;
+    const std::vector<std::uint32_t> seen = points_seen_by(*wall.model, std::span(&kImage, 1));
+    ASSERT_FALSE(seen.empty());
+    const auto before = refine_locally(*wall.model, std::span(&kImage, 1), true, {});
+    ASSERT_TRUE(before.ok());
+    EXPECT_GT(*before, 0U);
+    // Behind the camera, as far as it was before it.
+    const Eigen::Vector3d center = wall.model->pose(kImage).center();
+    for (const std::uint32_t point : seen)
+        wall.model->set_position(point, 2.0 * center - wall.model->points()[point].position);
+    for (const auto& adjusted :
+         {refine_locally(*wall.model, std::span(&kImage, 1), true, {}),
+          refine_joined_locally(*wall.model, std::span(&kImage, 1), true, {})}) {
+        ASSERT_FALSE(adjusted.ok());
+        EXPECT_EQ(adjusted.error().code, ErrorCode::kDegenerate);
     }
 }
 

@@ -249,6 +249,14 @@ TEST_F(WrongLoops, DoNotTearAModel) {
     EXPECT_LT(error(), 1e-6);
 }
 
+/// Nothing would close here, so that only the search itself can say it.
+TEST_F(WrongLoops, ASearchThatIsStoppedSaysSo) {
+    const std::atomic<bool> cancel{true};
+    const auto closed = close_loops(*model_, {problem_, *graph_, options_, &cancel});
+    ASSERT_FALSE(closed.ok());
+    EXPECT_EQ(closed.error().code, ErrorCode::kCancelled);
+}
+
 TEST_F(WrongLoops, AreToldByWhatTheyCostWhereNothingTears) {
     options_.loops.max_residual = 1e9;
     EXPECT_EQ(close(), 0U);
