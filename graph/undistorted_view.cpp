@@ -141,9 +141,9 @@ Window between(const Window& inner, const Window& outer, double part) {
 
 /// The largest part of a window, of the same shape, that the photograph has.
 Result<Window> available_part(const Camera& camera, const Window& window, bool inside) {
-    // Tunable: ours; a distortion that leaves less than a fifth of the window is refused as wrong.
+    // Guard: lenses leave nine tenths of the window; what leaves less than a fifth is no lens.
     constexpr double kLeast = 0.2;
-    // Tunable: ours; pictures are up to half a per cent smaller than could be.
+    // Guard: bounds the steps; pictures are up to half a per cent smaller than could be.
     constexpr double kStep = 0.995;
     if (window.left < 0 && window.top < 0 && window.right > 0 && window.bottom > 0) {
         for (double factor = 1.0; factor > kLeast; factor *= kStep) {

@@ -17,9 +17,9 @@
 namespace psfm {
 namespace {
 
-/// Tunable: verified images that wait for their version without holding a token, at most: this part
-/// of all. Raised: fewer versions while images stream in faster than they are solved, later ones;
-/// lowered: the cost of an image grows with the session. Ours.
+/// Guard: bounds the images that wait for their version without holding a token: this part of all.
+/// Raised: more versions, so that the cost of an image grows with the session; lowered: fewer and
+/// later ones while images stream in faster than they are solved.
 constexpr std::uint32_t kImagesPerWaiting = 25;
 
 }  // namespace
@@ -83,8 +83,9 @@ std::optional<CameraId> Committer::camera_of(const Image& image) {
     const CameraId next{state_.cameras.empty() ? 0 : index_of(state_.cameras.rbegin()->first) + 1};
     const auto given = config_.given_cameras.find(image.name);
     if (given == config_.given_cameras.end()) {
-        const CameraAssignment assignment = assign_camera(config_.camera_sharing, image.metadata,
-                                                          image.name, state_.camera_of_key, next);
+        const CameraAssignment assignment =
+            assign_camera(config_.camera_sharing, image.metadata, image.name, state_.camera_of_key,
+                          next, options_.features.unknown_focal);
         state_.camera_of_key.try_emplace(assignment.key, assignment.camera);
         if (assignment.added) state_.cameras[assignment.camera] = *assignment.added;
         return assignment.camera;

@@ -55,7 +55,8 @@ std::string Committer::small_copy_of_known(const std::string& name,
     const Glance glance = glance_of(photo.metadata, photo.signature);
     for (const Image& image : state_.images) {
         const ImageSource& source = state_.sources[index_of(image.id)];
-        if (source.removed || !is_reduced_copy(glance, glance_of(image.metadata, source.signature)))
+        if (source.removed || !is_reduced_copy(glance, glance_of(image.metadata, source.signature),
+                                               options_.features.small_copies))
             continue;
         return name + " (" + size_text(photo.metadata) + ") is a small copy of " + image.name +
                " (" + size_text(image.metadata) + "), which is in the session; leave it out";
@@ -68,7 +69,8 @@ void Committer::tell_of_small_copies(ImageId id) {
     const Glance glance = glance_of(image.metadata, state_.sources[index_of(id)].signature);
     for (const Image& other : state_.images) {
         const ImageSource& source = state_.sources[index_of(other.id)];
-        if (source.removed || !is_reduced_copy(glance_of(other.metadata, source.signature), glance))
+        if (source.removed || !is_reduced_copy(glance_of(other.metadata, source.signature), glance,
+                                               options_.features.small_copies))
             continue;
         tell_of_photo(SessionEvent::Kind::kRemark, image.name,
                       other.name + " is a small copy of " + image.name +

@@ -17,19 +17,16 @@
 namespace psfm {
 namespace {
 
-/// Tunable: images of a camera that a model must have for its intrinsics to be taken over
-/// elsewhere. Lowered: weak geometry's guesses spread. Ours.
-constexpr std::uint32_t kImagesToCalibrate = 10;
-
 /// Intrinsics of those cameras of a problem that none of its recycled models has, from the
 /// published model that has most images of each.
 std::map<CameraId, Camera> calibrated_elsewhere(const SessionState& state,
-                                                const ClusterProblem& problem) {
+                                                const ClusterProblem& problem,
+                                                std::uint32_t images_needed) {
     std::map<CameraId, std::uint32_t> images_behind;
     for (const auto& [id, camera] : problem.cameras) {
         const bool known = std::ranges::any_of(
             problem.recycled, [&](const auto& model) { return model->cameras.contains(id); });
-        if (!known) images_behind[id] = kImagesToCalibrate - 1;
+        if (!known) images_behind[id] = images_needed - 1;
     }
     std::map<CameraId, Camera> calibrated;
     if (images_behind.empty()) return calibrated;
@@ -68,9 +65,9 @@ Kinds kinds_of(const SessionState& state, const SessionConfig& config,
 
 /// The camera that most images of one kind share in a published model.
 std::optional<Camera> most_common_camera(const SessionState& state, CameraSharing sharing,
-                                         const std::string& kind) {
+                                         const std::string& kind, std::uint32_t images_needed) {
     std::optional<Camera> best;
-    std::uint32_t most = kImagesToCalibrate - 1;
+    std::uint32_t most = images_needed - 1;
     for (const auto& shown : state.scene->clusters) {
         if (!shown->model || !state.clusters.entries().contains(shown->id)) continue;
         std::map<CameraId, std::uint32_t> counts;
@@ -89,7 +86,7 @@ std::optional<Camera> most_common_camera(const SessionState& state, CameraSharin
 
 /// The same for cameras of a kind that no recycled model has any of.
 void calibrate_kinds(const SessionState& state, const SessionConfig& config, const Kinds& kinds,
-                     ClusterProblem& problem) {
+                     std::uint32_t images_needed, ClusterProblem& problem) {
     for (const auto& [kind, cameras] : kinds) {
         const bool known = std::ranges::any_of(problem.recycled, [&](const auto& model) {
             return std::ranges::any_of(model->images, [&](const RegisteredImage& image) {
@@ -97,7 +94,8 @@ void calibrate_kinds(const SessionState& state, const SessionConfig& config, con
             });
         });
         const auto common =
-            known ? std::nullopt : most_common_camera(state, config.camera_sharing, kind);
+            known ? std::nullopt
+                  : most_common_camera(state, config.camera_sharing, kind, images_needed);
         if (!common) continue;
         for (const CameraId camera : cameras) {
             const Camera& own = problem.cameras.at(camera);
@@ -111,6 +109,7 @@ void calibrate_kinds(const SessionState& state, const SessionConfig& config, con
 
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
+                                                           const SolveOptions& options,
                                                            const ClusterEntry& entry, bool settle,
                                                            bool conclude) {
     auto problem = std::make_shared<ClusterProblem>();
@@ -141,8 +140,8 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
         for (const CameraId camera : cameras) problem->alike[camera] = number;
         ++number;
     }
-    problem->calibrated = calibrated_elsewhere(state, *problem);
-    calibrate_kinds(state, config, kinds, *problem);
+    problem->calibrated = calibrated_elsewhere(state, *problem, options.images_to_hand_on);
+    calibrate_kinds(state, config, kinds, options.images_to_hand_on, *problem);
     return problem;
 }
 

@@ -9,6 +9,7 @@
 #include "stages/merge/adopt/find_adoptions.h"
 #include "stages/merge/run_merge.h"
 #include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/solve_options.h"
 
 namespace psfm {
 
@@ -18,6 +19,7 @@ namespace psfm {
 /// @param conclude  no photograph has come since the session was at rest
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
+                                                           const SolveOptions& options,
                                                            const ClusterEntry& entry, bool settle,
                                                            bool conclude = false);
 

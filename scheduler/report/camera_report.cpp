@@ -13,13 +13,13 @@
 namespace psfm {
 namespace {
 
-/// Tunable: views of more than 124 degrees, and of less than 6: no lens that people carry, and
-/// mostly a model that went wrong. Ours.
+/// Format: what is remarked on, as below; no model depends on it. Views of more than 124 degrees,
+/// and of less than 6: no lens that people carry, and mostly a model that went wrong.
 constexpr double kShortestFocal = 0.27, kLongestFocal = 10.0;  // over the longer side
-/// Tunable: from here on EXIF and the photographs contradict each other: what makers round to is a
-/// few per cent. Ours.
+/// Format: as above; from here on EXIF and the photographs contradict each other: what makers round
+/// to is a few per cent.
 constexpr double kFarFromExif = 0.12;
-/// Tunable: and here cameras of like photographs do. Ours.
+/// Format: as above; and here cameras of like photographs do.
 constexpr double kFarFromOthers = 0.2;
 
 std::string pixels(double value) {

@@ -21,6 +21,12 @@ constexpr std::array kTable{
     PSFM_OPTION(features.sift.octave_layers, 1, 16, "layers in an octave of the scale space", "Lowe 2004, sec. 3.2"),
     PSFM_OPTION(features.sift.sigma, 0.5, 8, "blur of the first layer [px of the doubled image]", "Lowe 2004, sec. 3.3"),
     PSFM_OPTION(features.sift.strip_mib, 1, 65536, "the scale space is made in strips of so much [MiB]; changes no result", "ours: a third of the rows at 6,400 px"),
+    PSFM_OPTION(features.small_copies.max_part, 0, 1, "sides of a small copy, over the photograph's", "ours; picture_signature_test"),
+    PSFM_OPTION(features.small_copies.min_contrast, 0, 255, "standard deviation of a photograph that can be told from others [grey values]", "ours; picture_signature_test"),
+    PSFM_OPTION(features.small_copies.min_correlation, 0, 1, "correlation of a copy's fields with the photograph's", "ours; picture_signature_test"),
+    PSFM_OPTION(features.small_copies.min_details, 0, 255, "standard deviation of details that tell it [grey values]", "ours; picture_signature_test"),
+    PSFM_OPTION(features.small_copies.min_in_details, 0, 1, "correlation of a copy's details", "ours; picture_signature_test"),
+    PSFM_OPTION(features.unknown_focal, 0.01, 1000, "focal length where nothing is known, over the longer side", "COLMAP 3.8, default_focal_length_factor"),
 
     PSFM_OPTION(retrieval.candidates, 1, kCount, "candidates of an image among earlier ones", "paper, \"Progressive Viewgraph\""),
     PSFM_OPTION(retrieval.features_per_image, 1, kCount, "features of an image that are indexed and looked up", "ours; docs/retrieval.md"),
@@ -56,6 +62,8 @@ constexpr std::array kTable{
     PSFM_OPTION(verification.verify.still.max_turn_deg, 0, 180, "turn of matches at one place [deg]", "ours, on datasets/cases"),
     PSFM_OPTION(verification.verify.still.min_agreeing, 0, 1, "share of what stands still that moves with the scene where it belongs to it", "ours, on datasets/cases"),
     PSFM_OPTION(verification.verify.still.min_coverage, 0, 1, "share of a photograph that stands still before a camera that did", "ours, on datasets/cases"),
+    PSFM_OPTION(verification.verify.still.coverage_grid, 1, 1024, "squares along each side by which that is counted", "not tuned"),
+    PSFM_OPTION(verification.verify.still.min_kept, 0, 1, "share of what moves that agrees with the geometry of all matches of a far view", "not tuned"),
     PSFM_OPTION(verification.verify.still.min_matches, 0, kCount, "matches at one place of both photographs that are looked at twice; 0: none are", "ours, on datasets/cases"),
     PSFM_OPTION(verification.verify.still.min_moving_share, 0, 1, "share of what moves that has to agree to be a scene", "ours, on datasets/cases"),
 

@@ -50,7 +50,11 @@ namespace {
         PSFM_OPTION(FIELD.noise.max_error, 0, 1000,                                              \
                     "error of an observation that is kept, in noises of the model; 0: "          \
                     "solve.tracks.max_error_px",                                                 \
-                    "ours, on brighton; docs/notebook, noise")
+                    "ours, on brighton; docs/notebook, noise"),                                  \
+        PSFM_OPTION(FIELD.noise.min_loss_px, 1e-6, 1000, "least width of that loss [px]",        \
+                    "ours: nothing is found more exactly"),                                      \
+        PSFM_OPTION(FIELD.noise.min_max_error_px, 1e-6, 1e5, "and least bound on errors [px]",   \
+                    "ours: large features are off by as much")
 // NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
@@ -75,6 +79,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.global.directions.bandwidth_deg, 0.01, 180, "standard deviation of an axis about the direction it is drawn from [deg]", "not tuned"),
     PSFM_OPTION(solve.global.directions.max_score, 0, 1, "score above which a direction is dropped", "GTSfM, OUTLIER_WEIGHT_THRESHOLD"),
     PSFM_OPTION(solve.global.images_to_calibrate, 1, kCount, "images of one camera that such a model needs", "not tuned"),
+    PSFM_OPTION(solve.global.max_focal_change, 1, 1000, "factor by which its focal length may differ from EXIF's", "not tuned"),
     PSFM_OPTION(solve.global.positions.loss_scale_deg, 0.001, 180, "residual from which a direction loses weight [deg]", "Wilson & Snavely 2014"),
     PSFM_OPTION(solve.global.positions.max_length_sigma, 1e-4, 100, "how well lengths of edges that meet are known, relative to one another", "ours, on planted lines and rings"),
     PSFM_OPTION(solve.global.positions.max_refinement_iterations, 1, 1e6, "iterations of the refinement", "not tuned"),
@@ -91,14 +96,24 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.few_points.min_observations, 0, kCount, "observations that confirm it", "not tuned"),
     PSFM_OPTION(solve.few_points.min_points, 0, kCount, "points that an image needs which no model sees enough of; 0: as any", "ours, on kitchen"),
     PSFM_OPTION(solve.images_around_joint, 0, kCount, "images of a large model that are adjusted around a joint", "ours; docs/performance.md"),
+    PSFM_OPTION(solve.images_to_hand_on, 1, kCount, "images of a camera whose intrinsics other clusters take over", "not tuned"),
+    PSFM_OPTION(solve.join_again_after, 1, 1000000.0, "images after which models without a joint are tried again, then twice as many", "not tuned"),
+    PSFM_OPTION(solve.local_longest_track, 0, kCount, "points that more images see stand still in local adjustments; 0: all move", "COLMAP 3.8"),
     PSFM_OPTION(solve.local_neighbors, 0, kCount, "images beside a new one whose poses move with it", "COLMAP 3.8: 6 in all"),
     PSFM_OPTION(solve.max_contradicting_edges, 0, 1, "part of the edges that may contradict a model that is kept", "not tuned"),
     PSFM_OPTION(solve.max_contradiction_deg, 0, 180, "rotations that differ by more contradict a model [deg]", "paper: rho_l,max"),
     PSFM_OPTION(solve.max_edge_error_deg, 1e-6, 180, "edges that differ by more from averaged rotations are left out [deg]", "paper: rho_g,max"),
     PSFM_OPTION(solve.max_reset_images, 0, 1, "part of a model that is placed anew instead of all of it", "ours; paper: 0"),
+    PSFM_OPTION(solve.max_surroundings, 0, 1, "part of a model's points up to which its surroundings are solved by themselves", "not tuned"),
     PSFM_OPTION(solve.min_observations, 1, kCount, "observations that keep an image in its model", "ours: half of what registration asks"),
+    PSFM_OPTION(solve.neighbor_points, 1, kCount, "points that images share which are adjusted together", "ours: about what a pose needs"),
+    PSFM_OPTION(solve.weak_edge_weight, 1e-09, 1, "what a weak edge weighs in rotation averaging", "ours: it decides where nothing else does"),
 
     PSFM_OPTION(solve.places.edge_weight, 0, 100, "what an edge says for one place, where a pair side by side says up to 1", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.clear_part, 0, 1, "part of a few points from which a pair is of one place", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.glance_factor, 1, 1000, "times max_shared_by_chance that a pair shares of a few points at most where it shares nothing", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.glance_points, 1, kCount, "points of each image that are looked at first", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.margin, 0, 0.49, "rim of a photograph in which no point is expected, over its longer side", "not tuned"),
     PSFM_OPTION(solve.places.max_neighbors, 1, kCount, "images beside it with which an image is compared", "not tuned"),
     PSFM_OPTION(solve.places.max_offset, 1e-6, 100, "distance of images side by side, over the depth of what they see", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.max_shared_by_chance, 0, 1, "part of the expected points up to which a pair shares nothing", "ours; docs/look-alikes.md"),
@@ -107,25 +122,35 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.places.min_expected, 1, kCount, "points that two images are expected to share before they are compared", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.min_images, 1, kCount, "images of a place", "ours: mu_min"),
     PSFM_OPTION(solve.places.min_track, 2, kCount, "images that have seen a point before others are expected to", "not tuned"),
+    PSFM_OPTION(solve.places.reached_rank, 1, kCount, "rank of the pair whose share counts for what an image reaches", "ours: one may be nearly a copy"),
     PSFM_OPTION(solve.places.same_place, 0.001, 0.999, "part of the expected points that speaks for one place", "ours, on the simulated town and Strecha's scenes"),
 
     PSFM_OPTION(solve.loops.edges_per_image, 1, kCount, "edges that hold an image in place when a loop is closed", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.drift_loss_scale, 1e-06, 1000, "Huber scale of the pose graph that spreads drift", "ours: hardly a residual is an outlier"),
+    PSFM_OPTION(solve.loops.images_per_group, 1, kCount, "images that move as one where nothing is strained", "not tuned"),
     PSFM_OPTION(solve.loops.max_iterations, 1, kCount, "steps of its pose graph", "ours, on the simulated town"),
     PSFM_OPTION(solve.loops.max_lost_observations, 0, 1, "part of the observations that closing may cost", "ours, on the simulated town"),
     PSFM_OPTION(solve.loops.max_residual, 1e-6, 1000, "residual from which an edge is still open, or torn", "ours, on the simulated town"),
     PSFM_OPTION(solve.loops.max_shared_part, 0, 1, "part of an open edge's matches that have a point in common", "ours, on the simulated town"),
+    PSFM_OPTION(solve.loops.max_torn, 0, 1000, "edges that closing tears, over those that it closes", "ours, on the simulated town"),
     PSFM_OPTION(solve.loops.min_gap, 0, 1000, "distance of the two points of a match, over their depth", "ours, on the simulated town"),
     PSFM_OPTION(solve.loops.min_matches, 1, kCount, "matches between points before an edge says anything", "ours, on the simulated town"),
     PSFM_OPTION(solve.loops.min_open_edges, 0, kCount, "open edges that a large model has before a loop is closed; 0: none is", "ours, on the simulated town; paper: 0"),
+    PSFM_OPTION(solve.loops.min_strain, 1e-09, 1000, "residual from which an edge that holds has been strained", "ours: some pixels"),
 
     PSFM_OPTION(solve.doubt.grid, 1, 64, "regions along each side of a photograph", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.clearly_less, 0, 1, "part of what is missing from one model that is missing from a better one", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.few_shared, 0, kCount, "points below which a pair shares next to nothing", "verification.verify.min_inliers"),
+    PSFM_OPTION(solve.doubt.less_explained, 0, 1, "part of the observations that a model has where less is missing", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.max_angle_deg, 0.01, 89, "directions from which a point is found again [deg]", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.max_cuts, 0, 1000, "cuts of a doubted model that are tried", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.max_denied, 0, 1, "part of an edge's matches below which a model denies it", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.max_rounds, 0, 1000, "how often the best one is cut again", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.max_scale, 1, 1000, "ratio of sizes at which a point is found again", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_denied, 0, 1, "matches of an edge that is not to be denied, over those of its images' best", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_depth, 0, 1, "depth of what an image sees itself in a missing region, over the expected", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_expected, 0.001, 1e6, "matches expected in a region that is missing", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_explained, 0, 1, "part of an edge's matches from which a model explains it", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_missing, 1, kCount, "regions that are missing where a pair contradicts its model", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_missing_part, 0.01, 1, "part of a pair's regions that are missing where it contradicts its model", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_own, 0, kCount, "points of its own that an image sees in a missing region", "ours; docs/look-alikes.md"),
@@ -133,6 +158,9 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.doubt.min_split_pairs, 1, kCount, "pairs that contradict each other across two parts that are kept apart", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_split_part, 0.001, 1, "and the part of the regions that are missing across", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.min_track, 2, kCount, "images that have seen a point that is expected", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.missing_by_chance, 0, kCount, "regions that are missing from one of two models by chance", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.missing_penalty, 0, 10000.0, "how fast an edge loses weight with the part of regions missing across it", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.more_explained, 1, 1000, "factor of observations by which a better model explains more", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.unknown_rate, 0.001, 1, "rate of points found again where a pair shares next to nothing", "ours; docs/look-alikes.md"),
 
     PSFM_OPTION(solve.assessment.joint_points, 0, kCount, "points by which two parts of a model hang together", "not tuned"),
@@ -140,6 +168,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.assessment.max_invented, 0, 1, "part of known turns that a model may show as steps; 0: all", "ours, on datasets/cases; paper: 0"),
     PSFM_OPTION(solve.assessment.max_relative_focal, 0.01, 1000, "focal length at most, over the longer side", "views of 10 degrees"),
     PSFM_OPTION(solve.assessment.max_turn_parallax_deg, 0.001, 180, "directions to a point that contradict a turn [deg]", "ours, on datasets/cases"),
+    PSFM_OPTION(solve.assessment.max_turn_stretch, 0, 1000, "stretch of a homography that is a turn", "not tuned"),
     PSFM_OPTION(solve.assessment.min_relative_focal, 0.001, 1000, "focal length at least", "views of 120 degrees"),
     PSFM_OPTION(solve.assessment.min_turn_deg, 0, 180, "turns by less say nothing [deg]", "ours, on datasets/cases"),
     PSFM_OPTION(solve.assessment.min_turns, 0, 1, "part of a model's edges that are turns before it is asked", "ours, on datasets/cases"),
@@ -155,6 +184,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.ties.points_per_image, 1, kCount, "points that are looked at, seen by each image", "not tuned"),
 
     PSFM_OPTION(solve.initialization.max_pairs, 1, kCount, "pairs tried for one start", "not tuned"),
+    PSFM_OPTION(solve.initialization.max_starts, 1, 1000, "starts of one solve while no model has half of the cluster", "not tuned"),
     PSFM_OPTION(solve.initialization.min_angle_deg, 0, 180, "median triangulation angle of a start [deg]", "COLMAP 3.8"),
     PSFM_OPTION(solve.initialization.min_points, 5, kCount, "points of a start", "ours; COLMAP 3.8: 100"),
     PSFM_OPTION(solve.absolute_pose.max_error_px, 0.01, 1000, "reprojection error of an inlier of a registration [px]", "COLMAP 3.8, abs_pose_max_error"),
@@ -178,6 +208,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.rotation_averaging.norm, 0, 1, "L1 norm of a residual: its length (0), its coordinates (1)", "ours; Chatterjee & Govindu 2013: 1"),
     PSFM_OPTION(solve.rotation_averaging.refine_iterations, 0, kCount, "linearisations of reweighted least squares after that", "ours; docs/look-alikes.md; paper: 0"),
     PSFM_OPTION(solve.rotation_averaging.strongest_edges_per_node, 0, kCount, "edges of an image that pull at the rotations; 0: all", "paper"),
+    PSFM_OPTION(solve.rotation_averaging.vote_power, 0, 10, "power of an edge's weight with which it votes where parts are joined", "ours, on a simulated temple and quad-streams"),
     PSFM_OPTION(solve.rotation_averaging.weight_power, 0, 10, "power of an edge's weight with which it counts", "paper"),
     NamedOption{"solve.plausibility", "edges count with their plausibility, too, when rotations are averaged (0, 1)", "ours; docs/look-alikes.md; paper: 0", 0, 1,
         [](const StageOptions& options) { return options.solve.plausibility ? 1.0 : 0.0; },
@@ -187,6 +218,8 @@ constexpr std::array kTable{
         }},
 
     PSFM_OPTION(solve.focal_calibration.loss_px, 0.001, 1000, "scale of the loss on pairs' errors when focal lengths are found [px]", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.focal_calibration.expected_deviation, 1e-06, 100, "deviation of the common focal length's logarithm from the expected one", "not tuned"),
+    PSFM_OPTION(solve.focal_calibration.expected_relative_focal, 0.01, 1000, "focal length that is expected, over the longer side", "COLMAP 3.8, default_focal_length_factor"),
     PSFM_OPTION(solve.focal_calibration.max_iterations, 1, 1e6, "steps of the joint refinement", "ours: most scenes need ten"),
     PSFM_OPTION(solve.focal_calibration.max_pair_points, 1, kCount, "correspondences taken of a pair", "ours, on Strecha's scenes; docs/verification.md"),
     PSFM_OPTION(solve.focal_calibration.max_pairs, 1, kCount, "pairs taken", "not tuned"),
@@ -197,6 +230,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.focal_calibration.pair_loss, 1e-6, 1000, "mean cost at which a pair weighs a quarter", "ours, on Strecha's scenes; docs/verification.md"),
     PSFM_OPTION(solve.focal_calibration.spread, 1e-6, 100, "deviation expected between cameras of one size", "ours, on Strecha's scenes; docs/verification.md"),
     PSFM_OPTION(solve.focal_calibration.vote_width, 1e-6, 100, "width of a pair's vote", "ours, on Strecha's scenes; docs/verification.md"),
+    PSFM_OPTION(solve.focal_calibration.wide_angle_deg, 0.1, 180, "triangulation angle above which a wider one tells no more [deg]", "not tuned"),
 
     PSFM_OPTION(solve.verification.confidence, 0, 1, "as verification.verify, of pairs whose focal lengths became known later", "COLMAP 3.8"),
     PSFM_OPTION(solve.verification.max_error_px, 0.01, 1000, "likewise [px]", "ours, on Strecha's scenes; docs/verification.md"),

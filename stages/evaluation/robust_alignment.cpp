@@ -52,7 +52,8 @@ Result<SimilarityFit> fit_subset(Points source, Points target,
 Consensus optimize_locally(const Sim3& start, Points source, Points target, double threshold) {
     Consensus best = score(start, source, target, threshold);
     Sim3 current = start;
-    constexpr std::array<double, 3> kWidening{3.0, 2.0, 1.0};  // Tunable: ours, without a figure
+    constexpr std::array<double, 3> kWidening{3.0, 2.0, 1.0};  // Guard: steps of the search; which
+    // alignment is the best one is decided by the threshold alone
     constexpr int kMaxRefits = 20;  // Guard: ends what gains in the last digits
     for (int refit = 0; refit < kMaxRefits; ++refit) {
         const bool widened = refit < static_cast<int>(kWidening.size());

@@ -10,7 +10,7 @@ namespace {
 
 /// Guard: rows of a picture whose places in the photograph are worked out at a time.
 constexpr int kStripRows = 64;
-/// Tunable: below this scale bicubic interpolation would leave out pixels. Ours.
+/// Guard: bicubic interpolation leaves pixels out below half the scale; reducing first costs time.
 constexpr double kReduceBelow = 0.75;
 
 /// Sizes of the photograph's pixels in the picture [px].

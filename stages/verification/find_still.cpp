@@ -3,7 +3,6 @@
 #include "stages/verification/find_still.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -15,20 +14,19 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kSide = 8;  // Tunable: ours, squares along a side
-using Squares = std::array<std::size_t, kSide * kSide>;
-
-std::size_t square_of(const Keypoint& keypoint, const Camera& camera) {
-    const auto along = [](double position, std::uint32_t size) {
+/// @param side  squares along each side
+std::size_t square_of(const Keypoint& keypoint, const Camera& camera, std::size_t side) {
+    const auto along = [&](double position, std::uint32_t size) {
         const double part = std::clamp(position / size, 0.0, 1.0);
-        return std::min(kSide - 1, static_cast<std::size_t>(part * kSide));
+        return std::min(side - 1, static_cast<std::size_t>(part * static_cast<double>(side)));
     };
-    return kSide * along(keypoint.y, camera.height) + along(keypoint.x, camera.width);
+    return side * along(keypoint.y, camera.height) + along(keypoint.x, camera.width);
 }
 
-Squares features_by_square(std::span<const Keypoint> keypoints, const Camera& camera) {
-    Squares counts{};
-    for (const Keypoint& keypoint : keypoints) ++counts[square_of(keypoint, camera)];
+std::vector<std::size_t> features_by_square(std::span<const Keypoint> keypoints,
+                                            const Camera& camera, std::size_t side) {
+    std::vector<std::size_t> counts(side * side, 0);
+    for (const Keypoint& keypoint : keypoints) ++counts[square_of(keypoint, camera, side)];
     return counts;
 }
 
@@ -96,13 +94,15 @@ std::vector<FeatureMatch> find_still(const MatchedViews& views, const StillOptio
     return once;
 }
 
-double still_coverage(const MatchedViews& views, std::span<const FeatureMatch> still) {
+double still_coverage(const MatchedViews& views, std::span<const FeatureMatch> still,
+                      const StillOptions& options) {
     if (!of_one_size(views)) return 0.0;
-    const Squares first = features_by_square(views.keypoints1, views.camera1);
-    const Squares second = features_by_square(views.keypoints2, views.camera2);
-    std::array<bool, kSide * kSide> holds{};
+    const std::size_t side = options.coverage_grid;
+    const auto first = features_by_square(views.keypoints1, views.camera1, side);
+    const auto second = features_by_square(views.keypoints2, views.camera2, side);
+    std::vector<bool> holds(side * side, false);
     for (const FeatureMatch& match : still)
-        holds[square_of(views.keypoints1[match.first], views.camera1)] = true;
+        holds[square_of(views.keypoints1[match.first], views.camera1, side)] = true;
     std::size_t all = 0;
     std::size_t covered = 0;
     for (std::size_t square = 0; square < holds.size(); ++square) {

@@ -22,11 +22,12 @@ std::vector<FeatureMatch> find_still(const MatchedViews& views, const StillOptio
 
 /// Whether matches lie wherever the photographs have features, as they do where the camera stood
 /// still, and not in a part of them, as those of a watermark do: the part of the features of both
-/// in those squares of an 8 x 8 grid that hold such a match. A camera makes photographs of one
+/// in those squares of a grid that hold such a match. A camera makes photographs of one
 /// size where it stands.
 /// @param still  from find_still
 /// @return 0 to 1; 0 for photographs of different sizes
-double still_coverage(const MatchedViews& views, std::span<const FeatureMatch> still);
+double still_coverage(const MatchedViews& views, std::span<const FeatureMatch> still,
+                      const StillOptions& options);
 
 /// How far the matches move between the photographs, at the median [px]; 0 without any.
 double median_motion_px(const MatchedViews& views, std::span<const FeatureMatch> matches);

@@ -101,7 +101,8 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
 
     Matches rest;
     std::ranges::set_difference(sorted(views.matches), still, std::back_inserter(rest));
-    const bool everywhere = still_coverage(views, still) >= options.still.min_coverage;
+    const bool everywhere =
+        still_coverage(views, still, options.still) >= options.still.min_coverage;
     std::optional<TwoViewGeometry> moving = verify_rest(views, rest, everywhere, options, seed);
     if (moving) {
         const std::size_t agreeing =
@@ -117,8 +118,7 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
         const double kept = geometry.ok() ? part(count_common(moving->inliers, geometry->inliers),
                                                  moving->inliers.size())
                                           : 0.0;
-        constexpr double kMostOf = 0.8;  // Tunable: ours, without a figure
-        if (kept < kMostOf) geometry = *std::move(moving);
+        if (kept < options.still.min_kept) geometry = *std::move(moving);
     } else if (!everywhere) {
         const bool leans_on_still =
             !geometry.ok() || 2 * count_common(still, geometry->inliers) > geometry->inliers.size();

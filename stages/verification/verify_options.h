@@ -37,6 +37,13 @@ struct StillOptions {
     /// (still_coverage). Raised: photographs from a tripod before which much has moved lose each
     /// other; lowered: a hood or a frame passes for a view.
     double min_coverage = 0.5;
+    /// Squares along each side by which that is counted. Raised: single matches cover less;
+    /// lowered: a logo in a corner covers a view. Not tuned.
+    std::uint32_t coverage_grid = 8;
+    /// Far views: the pair's geometry stays that of all its matches when this part of those that
+    /// move agrees with it. Raised: far views are lost where they say most; lowered: what stands
+    /// still bends the pair. Not tuned.
+    double min_kept = 0.8;
 };
 
 Result<void> validate(const StillOptions& options);

@@ -49,7 +49,7 @@ ImageFeatures extract(const std::string& file, std::size_t number, const Feature
         std::exit(1);
     }
     const PhotoMetadata& metadata = photo->metadata;
-    Camera camera = initial_camera(metadata);
+    Camera camera = initial_camera(metadata, FeatureOptions{}.unknown_focal);
     return {static_cast<ImageId>(number), camera, metadata.content_hash,
             std::make_shared<const Keypoints>(std::move(photo->keypoints)),
             std::make_shared<const Descriptors>(std::move(photo->descriptors))};

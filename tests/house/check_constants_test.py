@@ -2,7 +2,6 @@
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
 """tools/ci/check-constants refuses constants that say nothing of themselves, and accepts those that do."""
-import re
 import subprocess
 import sys
 import tempfile
@@ -96,14 +95,11 @@ class CheckConstants(unittest.TestCase):
         self.write("constexpr int kA = 5;\n", "tests/a.cpp")
         self.assertEqual(self.run_check()[0], 0)
 
-    def test_tunables_do_not_grow(self):
-        most = int(re.search(r"at most (\d+)", self.run_check()[1])[1])
-        lines = [f"constexpr int kA{i} = {i};  // Tunable: ours, measured" for i in range(most)]
-        self.assert_accepted("\n".join(lines) + "\n")
+    def test_what_is_tuned_is_an_option(self):
         self.write("constexpr int kB = 5;  // Tunable: ours, measured\n", "tools/b.h")
         code, output = self.run_check()
         self.assertEqual(code, 1, output)
-        self.assertIn(f"{most + 1} constants are tunable, and {most} may be", output)
+        self.assertIn("tools/b.h:1: kB is a number without a mark", output)
 
     def test_lists(self):
         self.write("/// Format: tags of TIFF.\nconstexpr int kA = 5;\nconstexpr int kB = 6;  // Guard: of a loop\n")

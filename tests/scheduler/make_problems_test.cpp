@@ -65,8 +65,8 @@ std::shared_ptr<const ClusterProblem> problem_of(const SessionState& state, std:
                                                  bool fix_intrinsics = false) {
     SessionConfig config;
     config.fix_intrinsics = fix_intrinsics;
-    return make_cluster_problem(state, config, state.clusters.entries().at(ClusterId{cluster}),
-                                false);
+    return make_cluster_problem(state, config, SolveOptions{},
+                                state.clusters.entries().at(ClusterId{cluster}), false);
 }
 
 TEST(MakeClusterProblem, StartsFromWhatTheLargestModelKnowsOfACamera) {

@@ -90,6 +90,8 @@ Result<void> tell_of_masks(const std::string& masks, const std::vector<PhotoFile
 
 Result<void> compare_photos(RunRequest& request, const SessionReader& store, bool names_masks) {
     if (!request.config.colmap_database.empty()) return {};
+    const auto options = stage_options(request.config);
+    if (!options.ok()) return options.error();
     const auto read = store.images();
     if (!read.ok()) return read.error();
     const auto sources = store.image_sources();
@@ -122,7 +124,7 @@ Result<void> compare_photos(RunRequest& request, const SessionReader& store, boo
         if (const auto found = by_path.find(photo.path); found != by_path.end())
             photos.push_back(found->second);
     }
-    put_small_copies_last(photos);
+    put_small_copies_last(photos, options->features.small_copies);
     request.photos = std::move(photos);
     return {};
 }

@@ -66,7 +66,7 @@ Finding memory() {
     std::ostringstream text;
     text.precision(1);
     text << std::fixed << kib / 1024 / 1024 << " GiB of memory free";
-    constexpr double kComfortable = 2.0 * 1024 * 1024;  // Tunable: ours, KiB
+    constexpr double kComfortable = 2.0 * 1024 * 1024;  // Format: when advice is given; KiB
     if (kib >= kComfortable) return {Verdict::kGood, text.str()};
     return {Verdict::kSlow, text.str() + ": use --threads 1 and --cache 64 for large photographs"};
 }
@@ -75,7 +75,7 @@ Finding open_files() {
     rlimit limit{};
     getrlimit(RLIMIT_NOFILE, &limit);
     const std::string text = std::to_string(limit.rlim_max) + " files may be open";
-    constexpr rlim_t kEnough = 4096;  // Tunable: ours; a session of some GB
+    constexpr rlim_t kEnough = 4096;  // Format: when advice is given
     if (limit.rlim_max >= kEnough) return {Verdict::kGood, text};
     return {Verdict::kMissing,
             text + ": sessions of some GB need more; raise nofile in /etc/security/limits.conf"};
@@ -126,7 +126,7 @@ Finding disk(const std::filesystem::path& folder) {
     text.precision(1);
     text << std::fixed << "a synced megabyte takes " << milliseconds[2] << " ms in "
          << folder.string();
-    constexpr double kSlowMs = 50.0;  // Tunable: several such commits belong to each image
+    constexpr double kSlowMs = 50.0;  // Format: when advice is given
     if (milliseconds[2] < kSlowMs) return {Verdict::kGood, text.str()};
     return {Verdict::kSlow, text.str() + ": put sessions on a local disk, an SSD if there is one"};
 }

@@ -17,8 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Tunable: farther off than this, a position is not about this place at all [m]. Ours; only a
-/// warning depends on it.
+/// Format: what is warned of: farther off than this, a position is not about this place at all [m].
 constexpr double kFarM = 1000.0;
 
 Json json_of(const Eigen::Vector3d& vector) {

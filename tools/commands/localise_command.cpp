@@ -114,7 +114,7 @@ Result<std::vector<PhotoFile>> photos_of(const std::vector<std::string>& argumen
 
 /// The camera that the session knows for a photograph like this one; else what its EXIF tells.
 std::pair<Camera, bool> camera_for(const OpenSession& session, const PhotoMetadata& metadata,
-                                   const std::string& name) {
+                                   const std::string& name, double unknown_focal) {
     const auto known =
         session.camera_of_key.find(camera_key(session.config.camera_sharing, metadata, name));
     if (known != session.camera_of_key.end()) {
@@ -122,7 +122,7 @@ std::pair<Camera, bool> camera_for(const OpenSession& session, const PhotoMetada
         if (camera.width == metadata.width && camera.height == metadata.height)
             return {camera, false};
     }
-    const Camera camera = initial_camera(metadata);
+    const Camera camera = initial_camera(metadata, unknown_focal);
     return {camera, camera.focal_source == FocalSource::kUnknown};
 }
 
@@ -132,7 +132,8 @@ Result<LocalisedPhoto> localise(const OpenSession& session, const PhotoFile& pho
     const auto extracted = run_features(photo, options->features);
     if (!extracted.ok()) return extracted.error();
     const std::string name = fs::path(photo.name).filename().string();
-    const auto [camera, is_guess] = camera_for(session, extracted->metadata, name);
+    const auto [camera, is_guess] =
+        camera_for(session, extracted->metadata, name, options->features.unknown_focal);
     return localise_photo(
         *session.map, *extracted, camera, is_guess,
         [&](ImageId image) { return session.reader->descriptors(image); }, LocaliseOptions{});

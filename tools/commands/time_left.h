@@ -13,9 +13,9 @@ namespace psfm {
 /// the run began, never decreasing.
 class TimeLeft {
   public:
-    /// Tunable: settling takes about this part of the time that the photographs before it took.
-    /// Higher: the time left is told too long at first; lower: too short. Ours, measured on
-    /// quad-streams and temple-341 (docs/performance.md).
+    /// Format: of the time that is shown: settling takes about this part of the time that the
+    /// photographs before it took. Higher: the time left is told too long at first; lower: too
+    /// short. Ours, measured on quad-streams and temple-341 (docs/performance.md).
     static constexpr double kSettlingShare = 0.08;
 
     /// @param expected  photographs of the run; 0: not known, and nothing is said of the time left

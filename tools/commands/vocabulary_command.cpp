@@ -29,8 +29,8 @@
 namespace psfm {
 namespace {
 
-/// Tunable: fewer training descriptors a word leave words that describe one descriptor, not a kind
-/// of them. Ours.
+/// Guard: keeps k-means from what it cannot do: of fewer training descriptors a word, words
+/// describe one descriptor, not a kind of them.
 constexpr std::size_t kDescriptorsPerWord = 8;
 /// Guard: photographs between two lines of progress; their features are in memory together.
 constexpr std::size_t kBatch = 32;

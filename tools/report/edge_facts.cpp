@@ -11,9 +11,6 @@
 namespace psfm {
 namespace {
 
-/// Tunable: the paper's rho_l,max: a pair that is farther off contradicts the model.
-constexpr double kContradiction = radians_from_degrees(10.0);
-
 struct Placed {
     std::uint32_t part = 0;
     Eigen::Quaterniond cam_from_world;
@@ -84,7 +81,9 @@ Result<std::vector<EdgeFact>> EdgeBook::read(const SessionReader& session, const
                 angle_between(pair.cam2_from_cam1, second->second.cam_from_world *
                                                        first->second.cam_from_world.conjugate());
             edge.angle_deg = static_cast<float>(angle * kDegreesPerRadian);
-            edge.state = angle > kContradiction ? EdgeState::kContradicts : EdgeState::kHolds;
+            edge.state = angle > radians_from_degrees(max_contradiction_deg_)
+                             ? EdgeState::kContradicts
+                             : EdgeState::kHolds;
         }
         // An edge may lose its plausibility to a later image.
         if (apart.contains(edge.pair)) {
@@ -112,7 +111,7 @@ StageOptions options_of(const SessionReader& session) {
 }
 
 Result<std::vector<EdgeFact>> read_edges(const SessionReader& session, const Scene& scene) {
-    EdgeBook book(options_of(session).edges);
+    EdgeBook book(options_of(session));
     return book.read(session, scene);
 }
 

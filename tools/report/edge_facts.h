@@ -34,7 +34,8 @@ struct EdgeFact {
 /// The verified pairs of a session, which are read once.
 class EdgeBook {
   public:
-    explicit EdgeBook(const EdgeSelectionOptions& options) : options_(options) {}
+    explicit EdgeBook(const StageOptions& options)
+        : options_(options.edges), max_contradiction_deg_(options.solve.max_contradiction_deg) {}
 
     /// Every verified pair, ascending.
     /// @param scene  models without points will do
@@ -48,6 +49,7 @@ class EdgeBook {
         Eigen::Quaterniond cam2_from_cam1;
     };
     EdgeSelectionOptions options_;
+    double max_contradiction_deg_;
     EdgeSelection selection_;
     ViewGraph graph_;
     std::vector<KnownPair> pairs_;

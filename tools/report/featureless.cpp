@@ -5,8 +5,8 @@
 namespace psfm {
 namespace {
 
-/// Tunable: a photograph with fewer features matches nothing. Ours: a pair takes 15 matches, and
-/// one feature in five or ten of an easy pair is one.
+/// Format: which reason people are told: a photograph with fewer features matches nothing. A pair
+/// takes 15 matches, and one feature in five or ten of an easy pair is one.
 constexpr std::size_t kFewFeatures = 100;
 
 }  // namespace

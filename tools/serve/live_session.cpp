@@ -45,7 +45,7 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const U
       users_(users),
       name_(std::move(name)),
       options_(options),
-      edges_(options_of(reader).edges),
+      edges_(options_of(reader)),
       colours_(reader),
       shown_(ShowOptions{.number = std::random_device()() >> 2U}) {
     // Expected: what cannot be read yet is looked at with the next version

@@ -48,6 +48,11 @@ struct NoiseBounds {
     /// features, which are found less exactly, are lost. 0: the bound stays as it is. Ours: of 12
     /// and 30 the one that keeps what brighton needs (docs/notebook/2026-11-25-noise.md).
     double max_error = 0.0;
+    /// The loss is not narrower than this [px], and the bound on errors not below. Lowered: what
+    /// rendered features are off by, and large features are always, counts as wrong; raised: exact
+    /// features are not made use of. Ours: nothing is found more exactly than the first.
+    double min_loss_px = 0.05;
+    double min_max_error_px = 1.0;
 };
 
 }  // namespace psfm

@@ -43,6 +43,14 @@ struct ClusterConstraintOptions {
     /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
     /// slower, linear. Ours: fifty edges fix seven numbers many times over.
     std::uint32_t max_edges_per_pair = 50;
+    /// Similarities of single edges, those of the strongest, that the final one may start from
+    /// beside random samples. Raised: slower; lowered: it is left to chance where most edges are
+    /// wrong. Not tuned.
+    std::uint32_t edges_as_starts = 10;
+    /// Where the final refinement's Huber loss bends, as a part of max_error: that counts as three
+    /// standard deviations. Raised: what only just agrees pulls more; lowered: nearer to L1,
+    /// slower. Not tuned.
+    double loss_part = 1.0 / 3.0;
     /// Chance of having drawn at least one sample without outliers [0, 1). Raised: slower.
     double confidence = 0.9999;
     /// Samples at most, whatever the confidence asks. Lowered: similarities are missed among many
@@ -62,6 +70,12 @@ struct PoseGraphOptions {
     /// constraint. Ours, not in the paper.
     double max_residual = 0.3;
     std::uint32_t max_iterations = 100;  ///< of Levenberg-Marquardt
+    /// Of these while it is only asked which constraints are bad, at most, and the part of the cost
+    /// by which the last of them lowers it. More of them, by a smaller part: slower; the other way:
+    /// good constraints look bad that have not come to rest yet. Ours, on merge_bench with copied
+    /// facades.
+    std::uint32_t rough_iterations = 10;
+    double rough_tolerance = 1e-3;
 };
 Result<void> validate(const PoseGraphOptions& options);
 

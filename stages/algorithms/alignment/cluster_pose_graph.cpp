@@ -155,10 +155,6 @@ Start start_from_tree(std::span<const PoseGraphEdge> edges, const std::vector<st
 /// How near to the optimum: near enough to see which constraints are bad, or as near as may be.
 enum class Precision : std::uint8_t { kRough, kFull };
 
-/// Tunable: of kRough. Raised: slower; lowered: good constraints look bad that have not come to
-/// rest yet. Ours, tuned on merge_bench with copied facades.
-constexpr std::uint32_t kRoughIterations = 10;
-constexpr double kRoughTolerance = 1e-3;
 /// Guard: of kFull: damping at the start would only hold it back, since it begins near the optimum.
 /// Three iterations instead of nine on merge_bench. Ours.
 constexpr double kUndamped = 1e8;
@@ -198,10 +194,11 @@ void optimize(std::span<const PoseGraphEdge> edges, const std::vector<bool>& use
     solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // the same bits everywhere
     const bool rough = precision == Precision::kRough;
-    solver.max_num_iterations = static_cast<int>(
-        rough ? std::min(kRoughIterations, options.max_iterations) : options.max_iterations);
+    solver.max_num_iterations =
+        static_cast<int>(rough ? std::min(options.rough_iterations, options.max_iterations)
+                               : options.max_iterations);
     if (!rough) solver.initial_trust_region_radius = kUndamped;
-    solver.function_tolerance = rough ? kRoughTolerance : 1e-12;
+    solver.function_tolerance = rough ? options.rough_tolerance : 1e-12;
     solver.parameter_tolerance = 1e-12;
     solver.gradient_tolerance = 1e-14;
     solver.num_threads = 1;

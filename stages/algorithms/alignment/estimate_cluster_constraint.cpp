@@ -37,10 +37,6 @@ std::vector<EdgeCorrespondences> strongest_edges(const ClusterIndex& a, const Cl
     return edges;
 }
 
-/// Tunable: similarities of single edges that the final one may start from, those of the strongest
-/// edges. Ours.
-constexpr std::size_t kCandidates = 10;
-
 bool interleaves(const ClusterIndex& a, const ClusterIndex& b, const Sim3& b_from_a,
                  const ClusterConstraintOptions& options) {
     const NeighborhoodCount count = count_kept_neighbors(a, b, b_from_a);
@@ -131,7 +127,7 @@ void estimate_from_accepted(ClusterConstraint& constraint,
     constraint.verdict = ConstraintVerdict::kInconsistent;
     const auto found = estimate_sim3_ransac(edges, candidates, options, seed);
     if (!found.ok()) return;  // Expected: these edges agree on no similarity
-    constraint.b_from_a = refine_sim3(edges, found->b_from_a, options.max_error);
+    constraint.b_from_a = refine_sim3(edges, found->b_from_a, options);
     Sim3Support support = support_of(edges, constraint.b_from_a, options.max_error);
     if (support.cost > found->support.cost) {
         constraint.b_from_a = found->b_from_a;
@@ -182,7 +178,7 @@ ClusterConstraint estimate_cluster_constraint(const ClusterIndex& a, const Clust
             constraint.verdict = ConstraintVerdict::kInterleaved;
             continue;
         }
-        if (candidates.size() < kCandidates) candidates.push_back(*opinion.b_from_a);
+        if (candidates.size() < options.edges_as_starts) candidates.push_back(*opinion.b_from_a);
         basis->accepted.push_back(edges[e].geometry_hash);
         accepted.push_back(std::move(edges[e]));
     }

@@ -19,8 +19,6 @@ using Square = Eigen::Matrix<double, 7, 7>;
 constexpr int kMaxIterations = 50;  // Guard: ends the loop
 /// Guard: the last digits of the cost take half of the iterations, and move nothing.
 constexpr double kCostTolerance = 1e-9;
-/// Tunable: ours; bends where errors are a third of the largest.
-constexpr double kHuberPart = 1.0 / 3.0;
 
 /// A view with its rotation as a matrix, since its points are many.
 struct FastView {
@@ -139,9 +137,9 @@ Sim3 moved(const Sim3& b_from_a, const Step& step) {
 }  // namespace
 
 Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_a,
-                 double max_error) {
-    const double loss_scale = kHuberPart * max_error;
-    const std::vector<EdgeTerms> terms = agreeing_with(edges, b_from_a, max_error);
+                 const ClusterConstraintOptions& options) {
+    const double loss_scale = options.loss_part * options.max_error;
+    const std::vector<EdgeTerms> terms = agreeing_with(edges, b_from_a, options.max_error);
     std::size_t count = 0;
     for (const EdgeTerms& edge : terms) count += edge.terms.size();
     if (count < 3) return b_from_a;

@@ -111,7 +111,7 @@ Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> ed
     StartRotations start =
         options.consensus_deg > 0.0
             ? rotations_by_consensus(edges, heaviest_first(weighted), node_count,
-                                     options.consensus_deg)
+                                     options.consensus_deg, options.vote_power)
             : rotations_of_forest(edges, maximum_spanning_forest(weighted, node_count), node_count);
 
     RotationAveraging result;

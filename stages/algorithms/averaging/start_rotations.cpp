@@ -14,18 +14,14 @@ namespace {
 
 constexpr auto kUnseen = static_cast<std::uint32_t>(-1);  // Format: says that there is none
 
-/// Tunable: an edge's vote counts weight^3: many weaker edges outvote a strong one, but not as many
-/// as there are where half of all edges are wrong and agree (tuned on a simulated temple and
-/// quad-streams).
-constexpr double kVotePower = 3.0;
-
 /// Parts of the graph that have been joined, each in a reference frame of its own.
 class JoinedParts {
   public:
     JoinedParts(std::span<const RelativeRotation> edges, std::span<const std::uint32_t> rank,
-                std::uint32_t node_count)
+                std::uint32_t node_count, double vote_power)
         : edges_(edges),
           rank_(rank),
+          vote_power_(vote_power),
           part_of_(node_count),
           nodes_(node_count),
           touching_(node_count),
@@ -84,7 +80,7 @@ class JoinedParts {
                 node_from_part_[edge.j].conjugate() * j_from_i * node_from_part_[edge.i];
             result.push_back({part_of_[edge.i] == small ? part_of_j_from_part_of_i
                                                         : part_of_j_from_part_of_i.conjugate(),
-                              std::pow(edge.weight, kVotePower)});
+                              std::pow(edge.weight, vote_power_)});
         }
         return result;
     }
@@ -123,6 +119,7 @@ class JoinedParts {
 
     std::span<const RelativeRotation> edges_;
     std::span<const std::uint32_t> rank_;  ///< by edge: 0 for the strongest
+    double vote_power_;
     std::vector<std::uint32_t> part_of_;
     std::vector<std::vector<std::uint32_t>> nodes_;     ///< by part
     std::vector<std::vector<std::uint32_t>> touching_;  ///< by part: edges with an end in it
@@ -169,10 +166,10 @@ StartRotations rotations_of_forest(std::span<const RelativeRotation> edges,
 
 StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
                                       std::span<const std::uint32_t> heaviest_first,
-                                      std::uint32_t node_count, double max_deg) {
+                                      std::uint32_t node_count, double max_deg, double vote_power) {
     std::vector<std::uint32_t> rank(edges.size());
     for (std::uint32_t place = 0; place < rank.size(); ++place) rank[heaviest_first[place]] = place;
-    JoinedParts parts(edges, rank, node_count);
+    JoinedParts parts(edges, rank, node_count, vote_power);
     for (const std::uint32_t e : heaviest_first) {
         if (!parts.are_joined(edges[e].i, edges[e].j))
             parts.join(edges[e].i, edges[e].j, radians_from_degrees(max_deg));

@@ -16,11 +16,6 @@
 namespace psfm {
 namespace {
 
-/// Tunable: a common focal length is expected near 1.2 times the longer side (COLMAP's
-/// default_focal_length_factor), so vaguely that one good pair overrules it.
-constexpr double kExpectedRelativeFocal = 1.2;
-constexpr double kExpectedDeviation = 0.7;
-
 /// Cameras with photographs of one size (either way up), and their common focal length once it is
 /// known.
 struct Group {
@@ -91,7 +86,8 @@ void settle_group(Group& group, std::span<const FocalPair> pairs, const FocalPai
         const FocalRefinementOptions refinement = refinement_options(prepared, options);
         const Eigen::VectorXd start = Eigen::VectorXd::Constant(1, vote.log_focal);
         const FocalExpectation expectation{
-            Eigen::VectorXd::Constant(1, std::log(kExpectedRelativeFocal)), kExpectedDeviation};
+            Eigen::VectorXd::Constant(1, std::log(options.expected_relative_focal)),
+            options.expected_deviation};
         const FocalEstimate estimate = refine_focals(
             pairs, {start, poses_of(pairs, start, refinement), {}}, expectation, refinement);
         group.log_focal = estimate.log_focals[0];
@@ -193,8 +189,8 @@ Result<FocalCalibration> calibrate_focals(std::span<const VerifiedPairPtr> pairs
     settle_groups(grouping, prepared, options);
 
     const std::size_t count = prepared.unknown.size();
-    Eigen::VectorXd log_focals = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(count),
-                                                           std::log(kExpectedRelativeFocal));
+    Eigen::VectorXd log_focals = Eigen::VectorXd::Constant(
+        static_cast<Eigen::Index>(count), std::log(options.expected_relative_focal));
     bool several = false;
     for (const Group& group : grouping.groups) {
         several = several || (group.log_focal && group.parameters.size() > 1);

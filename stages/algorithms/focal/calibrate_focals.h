@@ -42,6 +42,15 @@ struct FocalCalibrationOptions {
     /// Raised: photographs that say little drift; lowered: different lenses are drawn together.
     /// Source: ours, as above.
     double spread = 0.1;
+    /// Where the common focal length of one photograph size is expected, over its longer side, and
+    /// with which deviation of its logarithm. Lowered deviation: pairs that know better are
+    /// overruled; raised: sizes with few pairs drift. Source: COLMAP's default_focal_length_factor;
+    /// the deviation is not tuned, one good pair overrules it.
+    double expected_relative_focal = 1.2;
+    double expected_deviation = 0.7;
+    /// Triangulation angle of a pair above which a wider one tells no more [deg]. Raised: a few
+    /// wide pairs are taken first; lowered: narrow ones, which tell little. Source: not tuned.
+    double wide_angle_deg = 20.0;
     /// Relative uncertainty above which a camera is left at its guess. Source: ours.
     double max_uncertainty = 0.2;
     /// Steps of the joint refinement at most. Source: ours; most scenes need ten.

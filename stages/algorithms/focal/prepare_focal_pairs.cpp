@@ -8,10 +8,6 @@
 namespace psfm {
 namespace {
 
-/// Tunable: above this triangulation angle [deg] a wider one tells no more of the focal length
-/// (ours).
-constexpr double kWideAngleDeg = 20.0;
-
 double longer_side(const Camera& camera) {
     return std::max(camera.width, camera.height);
 }
@@ -108,7 +104,7 @@ FocalPairs prepare_focal_pairs(std::span<const VerifiedPairPtr> pairs,
     // Narrow pairs have most inliers and say least: the angle counts as much as they do.
     const auto telling = [&](const VerifiedPair* pair) {
         return weight_of(pair->geometry, options) *
-               std::min(pair->geometry.median_angle_deg, kWideAngleDeg);
+               std::min(pair->geometry.median_angle_deg, options.wide_angle_deg);
     };
     std::ranges::sort(chosen, [&](const VerifiedPair* a, const VerifiedPair* b) {
         return std::tuple(-telling(a), a->pair) < std::tuple(-telling(b), b->pair);

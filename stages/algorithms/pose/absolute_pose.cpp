@@ -155,8 +155,8 @@ Result<AbsolutePose> estimate_absolute_pose(std::span<const Eigen::Vector2d> pix
     if (pixels.size() < options.min_inliers) {
         return Error{ErrorCode::kTooFewMatches, std::to_string(pixels.size()) + " points seen"};
     }
-    // Tunable: 0.6 to 1.67 times the guess: wide-angle to portrait lenses when 1.2 image widths is
-    // the guess. Ours.
+    // Guard: a sample from 0.6 to 1.67 times the guess, wide-angle to portrait lenses where that is
+    // 1.2 image widths; what lies between is for the refinement.
     static constexpr std::array<double, 7> kFocalFactors{1.0, 0.85, 1.18, 0.72, 1.39, 0.6, 1.67};
     const std::size_t factors = refine_focal ? kFocalFactors.size() : 1;
     std::optional<AbsolutePose> best;

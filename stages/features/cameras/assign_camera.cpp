@@ -102,7 +102,7 @@ std::string camera_kind(CameraSharing sharing, const PhotoMetadata& metadata) {
            focal_text(metadata);
 }
 
-Camera initial_camera(const PhotoMetadata& metadata) {
+Camera initial_camera(const PhotoMetadata& metadata, double unknown_focal) {
     if (metadata.focal_px && metadata.focal_is_vague) {
         return make_camera(metadata.width, metadata.height, *metadata.focal_px,
                            FocalSource::kUnknown);
@@ -110,13 +110,13 @@ Camera initial_camera(const PhotoMetadata& metadata) {
     if (metadata.focal_px) {
         return make_camera(metadata.width, metadata.height, *metadata.focal_px, FocalSource::kExif);
     }
-    const double focal_px = kUnknownFocalFactor * std::max(metadata.width, metadata.height);
+    const double focal_px = unknown_focal * std::max(metadata.width, metadata.height);
     return make_camera(metadata.width, metadata.height, focal_px, FocalSource::kUnknown);
 }
 
 CameraAssignment assign_camera(CameraSharing sharing, const PhotoMetadata& metadata,
                                std::string_view name, const std::map<std::string, CameraId>& known,
-                               CameraId next, std::string_view user) {
+                               CameraId next, double unknown_focal, std::string_view user) {
     CameraAssignment result;
     result.key = camera_key(sharing, metadata, name, user);
     const auto found = known.find(result.key);
@@ -124,7 +124,7 @@ CameraAssignment assign_camera(CameraSharing sharing, const PhotoMetadata& metad
         result.camera = found->second;
     } else {
         result.camera = next;
-        result.added = initial_camera(metadata);
+        result.added = initial_camera(metadata, unknown_focal);
     }
     return result;
 }

@@ -42,13 +42,10 @@ std::string camera_key(CameraSharing sharing, const PhotoMetadata& metadata, std
 /// @return equal for those of one kind; empty where the camera's key alone decides. Thread-safe.
 std::string camera_kind(CameraSharing sharing, const PhotoMetadata& metadata);
 
-/// Focal length when nothing is known, over the longer side: 45 degrees of view, between a phone's
-/// main camera (about 0.75) and portrait lenses. Source: COLMAP 3.8, default_focal_length_factor.
-inline constexpr double kUnknownFocalFactor = 1.2;  // Tunable: COLMAP's, as said above
-
 /// SIMPLE_RADIAL without distortion, centred principal point, focal length from EXIF (kExif) or a
 /// guess (kUnknown), which is EXIF's where that is vague. REQUIRES: width, height > 0. Thread-safe.
-Camera initial_camera(const PhotoMetadata& metadata);
+/// @param unknown_focal  see FeatureOptions
+Camera initial_camera(const PhotoMetadata& metadata, double unknown_focal);
 
 /// The camera that a new image belongs to.
 struct CameraAssignment {
@@ -60,9 +57,10 @@ struct CameraAssignment {
 
 /// @param known  the cameras so far by key
 /// @param next  the id of a new one
+/// @param unknown_focal  see FeatureOptions
 /// Thread-safe.
 CameraAssignment assign_camera(CameraSharing sharing, const PhotoMetadata& metadata,
                                std::string_view name, const std::map<std::string, CameraId>& known,
-                               CameraId next, std::string_view user = {});
+                               CameraId next, double unknown_focal, std::string_view user = {});
 
 }  // namespace psfm

@@ -74,7 +74,7 @@ bool is_possible(double focal_px, double width, double height) {
 /// Whether a photograph has a shape that cameras give it: 1:1, 5:4, 4:3, 3:2, 16:10, 16:9, 17:9, or
 /// one of the long ones of phones.
 bool has_camera_shape(double width, double height) {
-    // Tunable: ours; sizes are whole multiples of 8 or 16 pixels, and cropping by less is not seen.
+    // Guard: cameras round sizes to multiples of 8 or 16 pixels, which is no cropping.
     constexpr double kTolerance = 0.015;
     // Format: shapes of sensors and screens.
     constexpr std::array<double, 12> kShapes{1.0,       5.0 / 4,  4.0 / 3,  3.0 / 2,

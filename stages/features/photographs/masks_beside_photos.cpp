@@ -61,7 +61,8 @@ fs::path root_of(const PhotoFile& photo) {
 
 /// Hardly a pixel is anything between.
 bool is_black_and_white(const fs::path& file) {
-    constexpr double kMostBetween = 0.05;  // Tunable: edges, and what compression adds. Ours.
+    constexpr double kMostBetween = 0.05;  // Guard: edges, and what compression
+                                           // adds; of photographs, most is between
     try {
         const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
         if (grey.empty()) return false;

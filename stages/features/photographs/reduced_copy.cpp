@@ -82,9 +82,7 @@ Fields values(std::span<const std::uint8_t> signature) {
 
 }  // namespace
 
-bool may_be_copy(const Glance& small, const Glance& large) {
-    /// Tunable: larger ones are another version of the photograph rather than a preview. Ours.
-    constexpr double kLargestPart = 0.8;
+bool may_be_copy(const Glance& small, const Glance& large, const SmallCopyOptions& options) {
     /// Guard: sizes of previews are rounded: by a pixel of 64 at most. Ours.
     constexpr double kSameProportions = 0.02;
     const auto [small_width, small_height] = upright_size(small);
@@ -92,23 +90,17 @@ bool may_be_copy(const Glance& small, const Glance& large) {
     if (std::min({small_width, small_height, large_width, large_height}) <= 0.0) return false;
     const double across = small_width / large_width;
     const double down = small_height / large_height;
-    if (across > kLargestPart || down > kLargestPart) return false;
+    if (across > options.max_part || down > options.max_part) return false;
     return std::abs(across / down - 1.0) <= kSameProportions;
 }
 
-bool is_reduced_copy(const Glance& small, const Glance& large) {
-    // Tunable: all ours: picture_signature_test. Copies differ by reducing and compressing only; of
-    // views from places a step apart, details are where others were.
-    constexpr double kLeastCorrelation = 0.985;
-    constexpr double kLeastInDetails = 0.9;
-    constexpr double kLeastContrast = 8.0;  // [grey values], standard deviation
-    constexpr double kLeastDetails = 1.0;
-    if (!may_be_copy(small, large)) return false;
+bool is_reduced_copy(const Glance& small, const Glance& large, const SmallCopyOptions& options) {
+    if (!may_be_copy(small, large, options)) return false;
     if (small.signature.size() != kFields || large.signature.size() != kFields) return false;
-    return correlation(values(small.signature), values(large.signature), kLeastContrast) >=
-               kLeastCorrelation &&
-           correlation(details(small.signature), details(large.signature), kLeastDetails) >=
-               kLeastInDetails;
+    return correlation(values(small.signature), values(large.signature), options.min_contrast) >=
+               options.min_correlation &&
+           correlation(details(small.signature), details(large.signature), options.min_details) >=
+               options.min_in_details;
 }
 
 }  // namespace psfm

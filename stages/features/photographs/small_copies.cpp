@@ -88,12 +88,16 @@ std::vector<std::uint8_t> read_signature(const PhotoFile& photo, const Header& h
 /// What is known of the photographs, read when it is asked for.
 class Glances {
   public:
-    explicit Glances(const std::vector<PhotoFile>& photos)
-        : photos_(photos), headers_(photos.size()), signed_(photos.size(), false) {}
+    Glances(const std::vector<PhotoFile>& photos, const SmallCopyOptions& options)
+        : photos_(photos),
+          options_(options),
+          headers_(photos.size()),
+          signed_(photos.size(), false) {}
 
     bool is_copy(std::size_t small, std::size_t large) {
-        if (!may_be_copy(header(small).glance(), header(large).glance())) return false;
-        return is_reduced_copy(with_signature(small).glance(), with_signature(large).glance());
+        if (!may_be_copy(header(small).glance(), header(large).glance(), options_)) return false;
+        return is_reduced_copy(with_signature(small).glance(), with_signature(large).glance(),
+                               options_);
     }
 
   private:
@@ -108,6 +112,7 @@ class Glances {
     }
 
     const std::vector<PhotoFile>& photos_;
+    const SmallCopyOptions& options_;
     std::vector<std::optional<Header>> headers_;  // of width 0: not known
     std::vector<bool> signed_;
 };
@@ -119,7 +124,7 @@ bool is_digit(char c) {
 /// Whether what follows the common beginning is an addition to it: of "img_1" in "img_1-150x150" it
 /// is, in "img_10" it is not.
 bool is_addition(const std::string& shorter, const std::string& longer) {
-    /// Tunable: shorter ones begin too many other names. Ours.
+    /// Guard: shorter ones begin too many other names, whose pixels would be compared in vain.
     constexpr std::size_t kLeastLength = 3;
     if (shorter.size() == longer.size()) return true;
     return shorter.size() >= kLeastLength &&
@@ -153,8 +158,8 @@ std::vector<std::pair<std::size_t, std::size_t>> similar_names(
 
 }  // namespace
 
-void put_small_copies_last(std::vector<PhotoFile>& photos) {
-    Glances glances(photos);
+void put_small_copies_last(std::vector<PhotoFile>& photos, const SmallCopyOptions& options) {
+    Glances glances(photos, options);
     std::vector<bool> is_copy(photos.size(), false);
     for (const auto& [a, b] : similar_names(photos)) {
         if (glances.is_copy(a, b)) is_copy[a] = true;

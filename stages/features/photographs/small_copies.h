@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stages/features/photographs/photo_file.h"
+#include "stages/features/photographs/reduced_copy.h"
 
 namespace psfm {
 
@@ -15,6 +16,6 @@ namespace psfm {
 /// What cannot be read stays where it is. Cost: the header of each file that shares its name, and
 /// the pixels of those of equal proportions, the larger ones at an eighth of their size.
 /// Thread-safe.
-void put_small_copies_last(std::vector<PhotoFile>& photos);
+void put_small_copies_last(std::vector<PhotoFile>& photos, const SmallCopyOptions& options);
 
 }  // namespace psfm

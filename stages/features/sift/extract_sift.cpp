@@ -20,7 +20,7 @@
 namespace psfm {
 namespace {
 
-/// Tunable: octaves whose shorter side is less have no places: most of them is rim [px]. Ours.
+/// Guard: ends the octaves: of one whose shorter side is less, nearly all is rim [px].
 constexpr int kMinOctaveSide = 16;
 
 /// The image to detect in, and pixels of the full image per pixel of it.

@@ -13,7 +13,8 @@
 namespace psfm {
 namespace {
 
-/// Tunable: pixels along the octave's rim without places. Source: OpenCV 4.6.
+/// Guard: pixels along the octave's rim without places, so that the refinement's steps stay inside.
+/// Source: OpenCV 4.6.
 constexpr int kBorder = 5;
 /// Guard: steps of the refinement. Source: OpenCV 4.6 and VLFeat 0.9.
 constexpr int kMaxSteps = 5;

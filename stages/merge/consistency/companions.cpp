@@ -13,9 +13,10 @@
 namespace psfm {
 namespace {
 
-/// Tunable: tried one after the other: how far the verdict is to hold, as parts of how near
+/// Guard: tried one after the other: how far the verdict is to hold, as parts of how near
 /// companions are and of how much they may be turned against each other. Raised: verdicts hold for
-/// longer, where they can be given at all. The last one always can. Ours.
+/// longer, where they can be given at all; the last one always can. No verdict depends on them,
+/// only when it is given again.
 constexpr double kTolerances[] = {0.2, 0.04, 0.0};
 
 /// A camera of one model near one of the other; or almost.

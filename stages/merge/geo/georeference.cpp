@@ -20,7 +20,6 @@ namespace {
 constexpr std::size_t kJudges = 500;
 /// Guard: draws for one sample before it is given up: photographs taken in one place say nothing.
 constexpr int kDraws = 20;
-constexpr double kInlierSigmas = 3.0;  // Tunable: customary; 99.7 % of a Gaussian
 
 double squared(double x) {
     return x * x;
@@ -28,9 +27,9 @@ double squared(double x) {
 
 bool is_inlier(const LocatedCamera& camera, const Sim3& sim, const GeoreferenceOptions& options) {
     const Eigen::Vector3d difference = sim * camera.centre - camera.enu;
-    return difference.head<2>().norm() <= kInlierSigmas * options.horizontal_sigma_m &&
+    return difference.head<2>().norm() <= options.inlier_sigmas * options.horizontal_sigma_m &&
            (!camera.has_altitude ||
-            std::abs(difference.z()) <= kInlierSigmas * options.vertical_sigma_m);
+            std::abs(difference.z()) <= options.inlier_sigmas * options.vertical_sigma_m);
 }
 
 /// Heading, scale and shift of a component that stands upright already.

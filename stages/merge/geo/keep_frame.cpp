@@ -27,9 +27,6 @@ struct Match {
 /// Mathematics: random pairs of images that propose a similarity. Half of all images moved: 2^-2
 /// for a good pair, so that 60 miss with a chance of 1e-7.
 constexpr int kProposals = 60;
-/// Tunable: a camera stayed if it moved by less than this part of the median distance between
-/// neighbours. Ours.
-constexpr double kStayed = 0.25;
 constexpr int kRefinements = 10;  // Guard: ends the loop
 /// Guard: of more images every second, third, … is looked at: they tell a frame as well, and what a
 /// new image costs does not grow with their number. Ours.
@@ -124,7 +121,8 @@ double median_neighbor_distance(std::span<const Eigen::Vector3d> centres) {
 
 Sim3 world_from_component(std::span<const PlacedImage> images,
                           const std::unordered_map<ImageId, Rigid3>& published,
-                          std::span<const Sim3> candidates, const Sim3& fallback) {
+                          std::span<const Sim3> candidates, const Sim3& fallback,
+                          double max_stayed_move) {
     std::vector<Match> matches;
     std::vector<Eigen::Vector3d> before;
     const std::size_t stride = stride_over(images.size());
@@ -138,7 +136,7 @@ Sim3 world_from_component(std::span<const PlacedImage> images,
     }
     if (matches.empty()) return fallback;
     const double spacing = median_neighbor_distance(before);
-    const double tolerance = kStayed * (spacing > 0.0 ? spacing : 1.0);
+    const double tolerance = max_stayed_move * (spacing > 0.0 ? spacing : 1.0);
 
     std::optional<Sim3> best;
     double best_cost = std::numeric_limits<double>::infinity();

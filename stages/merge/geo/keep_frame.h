@@ -36,8 +36,10 @@ double median_neighbor_distance(std::span<const Eigen::Vector3d> centres);
 /// place
 /// @param fallback the result where fewer than two images were published before and no candidate is
 /// given
+/// @param max_stayed_move see MergeOptions
 Sim3 world_from_component(std::span<const PlacedImage> images,
                           const std::unordered_map<ImageId, Rigid3>& published,
-                          std::span<const Sim3> candidates, const Sim3& fallback);
+                          std::span<const Sim3> candidates, const Sim3& fallback,
+                          double max_stayed_move);
 
 }  // namespace psfm

@@ -46,11 +46,13 @@ Cameras cameras_of(const Component& component, const Scene* previous) {
 }
 
 /// Gauge of a component: where its images were, else that of its root at a spacing of 1.
-Sim3 frame_by_vision(const Cameras& cameras, const std::unordered_map<ImageId, Rigid3>& published) {
+Sim3 frame_by_vision(const Cameras& cameras, const std::unordered_map<ImageId, Rigid3>& published,
+                     double max_stayed_move) {
     const double spacing = median_neighbor_distance(cameras.centres);
     Sim3 fresh;
     if (spacing > 0.0) fresh.scale = 1.0 / spacing;
-    return world_from_component(cameras.images, published, cameras.candidates, fresh);
+    return world_from_component(cameras.images, published, cameras.candidates, fresh,
+                                max_stayed_move);
 }
 
 std::vector<LocatedCamera> located(const Cameras& cameras, const GpsPosition& datum,
@@ -124,13 +126,12 @@ Eigen::Vector3d median_of(std::span<const Eigen::Vector3d> points) {
 std::optional<Sim3> brought_near(std::span<const LocatedCamera> positions, const Sim3& frame,
                                  const GeoreferenceOptions& options) {
     if (positions.empty()) return std::nullopt;
-    constexpr double kSigmas = 3.0;  // Tunable: customary; 99.7 % of a Gaussian
     std::vector<Eigen::Vector3d> differences;
     for (const LocatedCamera& camera : positions)
         differences.emplace_back(camera.enu - frame * camera.centre);
     const Eigen::Vector3d shift = median_of(differences);
-    if (shift.head<2>().norm() <= kSigmas * options.horizontal_sigma_m &&
-        std::abs(shift.z()) <= kSigmas * options.vertical_sigma_m) {
+    if (shift.head<2>().norm() <= options.inlier_sigmas * options.horizontal_sigma_m &&
+        std::abs(shift.z()) <= options.inlier_sigmas * options.vertical_sigma_m) {
         return std::nullopt;
     }
     Sim3 result = frame;
@@ -154,7 +155,7 @@ PlacedComponents place_components(std::span<const Component> components, const S
     for (std::size_t c = 0; c < components.size(); ++c) {
         all.push_back(cameras_of(components[c], previous));
         ComponentPlace place;
-        place.world_from_component = frame_by_vision(all[c], published);
+        place.world_from_component = frame_by_vision(all[c], published, options.max_stayed_move);
         if (datum) {
             gravity[c] = gravity_of(all[c], evidence, options);
             positions[c] = located(all[c], *datum, evidence);

@@ -15,9 +15,9 @@
 namespace psfm {
 namespace {
 
-/// Tunable: about 10 km. Lowered: walks with gaps fall apart into places of their own; raised:
-/// wrong fixes further off count as right, which puts the origin that far away and does no other
-/// harm. Ours.
+/// Guard: keeps a wrong fix from becoming the origin [m]. Lowered: walks with gaps fall apart into
+/// places of their own; raised: wrong fixes further off count as right, which puts the origin that
+/// far away and does no other harm.
 constexpr double kNearM = 10'000.0;
 
 bool are_near(const GpsPosition& one, const GpsPosition& other) {

@@ -33,6 +33,7 @@ Result<void> validate(const GeoreferenceOptions& options) {
     if (!(options.max_heading_sigma > 0.0)) return invalid("max_heading_sigma must be positive");
     if (!(options.hold >= 0.0 && options.hold_angle_deg >= 0.0))
         return invalid("hold and hold_angle_deg must not be negative");
+    if (!(options.inlier_sigmas > 0.0)) return invalid("inlier_sigmas must be positive");
     if (options.samples < 1) return invalid("georeference.samples must be at least 1");
     return {};
 }
@@ -41,6 +42,7 @@ Result<void> validate(const MergeOptions& options) {
     if (auto valid = validate(options.constraint); !valid.ok()) return valid.error();
     if (auto valid = validate(options.pose_graph); !valid.ok()) return valid.error();
     if (auto valid = validate(options.gravity); !valid.ok()) return valid.error();
+    if (!(options.max_stayed_move > 0.0)) return invalid("max_stayed_move must be positive");
     return validate(options.georeference);
 }
 

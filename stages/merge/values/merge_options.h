@@ -38,8 +38,8 @@ struct GeoreferenceOptions {
     double vertical_sigma_m = 15.0;
     /// Positions needed; at least 3, as two cannot contradict each other.
     std::uint32_t min_positions = 3;
-    /// Part of a component's positions that must agree with its place, within three standard
-    /// deviations. Lowered: places by chance. Ours.
+    /// Part of a component's positions that must agree with its place, within
+    /// inlier_sigmas. Lowered: places by chance. Ours.
     double min_inlier_ratio = 0.5;
     /// Standard deviation of the heading [rad], and as much relative error of the scale, at most:
     /// horizontal_sigma_m over the root of the cameras' summed squared distances from their mean.
@@ -56,6 +56,9 @@ struct GeoreferenceOptions {
     /// Minimal samples tried. Lowered: places are missed among many wrong positions. Ours: with
     /// half of them wrong 200 pairs all miss with a chance of 1e-25, triples with 3e-12.
     std::uint32_t samples = 200;
+    /// Standard deviations within which a position agrees with a place. Raised: wrong positions
+    /// pull; lowered: right ones count as outliers. Customary: 99.7 % of a Gaussian lie within.
+    double inlier_sigmas = 3.0;
 };
 Result<void> validate(const GeoreferenceOptions& options);
 
@@ -70,6 +73,10 @@ struct MergeOptions {
     bool use_gravity = true;
     GravityOptions gravity;
     GeoreferenceOptions georeference;
+    /// A camera stayed where it was published if it moved by less than this part of the median
+    /// distance between neighbours: the frame is that in which most stay. Raised: what drifts drags
+    /// the frame along; lowered: noise decides which cameras hold it. Not tuned.
+    double max_stayed_move = 0.25;
 };
 /// @errors kInvalidArgument
 Result<void> validate(const MergeOptions& options);

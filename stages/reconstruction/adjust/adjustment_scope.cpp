@@ -9,10 +9,6 @@
 namespace psfm {
 namespace {
 
-/// Tunable: of local adjustments. Raised: slower where many images see each point; lowered: fewer
-/// points follow a new image. COLMAP 3.8: 15.
-constexpr std::size_t kLongestMovingTrack = 15;
-
 std::vector<std::uint32_t> observation_counts(const WorkingModel& model) {
     std::vector<std::uint32_t> counts(model.image_count(), 0);
     for (const WorkingModel::Point& point : model.points()) {
@@ -65,7 +61,8 @@ AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics) {
 }
 
 AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
-                            std::size_t neighbors, bool free_intrinsics) {
+                            std::size_t neighbors, std::size_t longest_moving_track,
+                            bool free_intrinsics) {
     std::vector<std::uint32_t> shared(model.image_count(), 0);
     for (const std::uint32_t image : images) {
         for (std::uint32_t feature = 0; feature < model.matches().feature_count(image); ++feature) {
@@ -83,7 +80,7 @@ AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint
     std::ranges::stable_sort(order, std::greater{}, [&](std::uint32_t i) { return shared[i]; });
 
     AdjustmentScope scope;
-    scope.longest_moving_track = kLongestMovingTrack;
+    scope.longest_moving_track = longest_moving_track;
     scope.point_images.assign(images.begin(), images.end());
     scope.free_images = scope.point_images;
     // Two neighbours at least stay where they are: they carry the gauge.

@@ -53,8 +53,10 @@ AdjustmentScope region_scope(const WorkingModel& model, std::span<const std::uin
 /// Some images and the `neighbors` others that share most points with them; points of the former
 /// move, but for those of long tracks (COLMAP 3.8's mapper does likewise). A camera is free when
 /// all its images are.
+/// @param longest_moving_track  as in AdjustmentScope
 AdjustmentScope local_scope(const WorkingModel& model, std::span<const std::uint32_t> images,
-                            std::size_t neighbors, bool free_intrinsics);
+                            std::size_t neighbors, std::size_t longest_moving_track,
+                            bool free_intrinsics);
 
 struct AdjustmentReport {
     std::size_t residuals = 0;

@@ -16,10 +16,6 @@ namespace {
 /// Mathematics: the median length of a vector of two normal coordinates (Rayleigh), over their
 /// standard deviation: sqrt(2 ln 2).
 constexpr double kMedianLength = 1.1774100225154747;
-/// Tunable: nothing is found more exactly than this, rendered features neither [px].
-constexpr double kLeastLossPx = 0.05;
-/// Tunable: large features are off by more than small ones, whatever the noise [px].
-constexpr double kLeastMaxErrorPx = 1.0;
 
 }  // namespace
 
@@ -43,7 +39,8 @@ AdjustmentOptions fitted_to_noise(const WorkingModel& model, const AdjustmentOpt
                                   const NoiseBounds& bounds) {
     AdjustmentOptions fitted = options;
     if (bounds.loss == 0.0) return fitted;
-    const double width = std::max(kLeastLossPx, bounds.loss * observation_noise(model, options));
+    const double width =
+        std::max(bounds.min_loss_px, bounds.loss * observation_noise(model, options));
     fitted.loss_scale_px = std::min(options.loss_scale_px, width);
     return fitted;
 }
@@ -52,7 +49,7 @@ double max_error_by_noise(const WorkingModel& model, const AdjustmentOptions& op
                           const NoiseBounds& bounds, double max_error_px) {
     if (bounds.max_error == 0.0) return max_error_px;
     const double bound = bounds.max_error * observation_noise(model, options);
-    return std::min(max_error_px, std::max(kLeastMaxErrorPx, bound));
+    return std::min(max_error_px, std::max(bounds.min_max_error_px, bound));
 }
 
 }  // namespace psfm

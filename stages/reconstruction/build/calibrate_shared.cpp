@@ -121,12 +121,11 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
 }
 
 /// A small model that went wrong shows in the focal length.
-bool is_credible(const Camera& calibrated, const Camera& before) {
-    constexpr double kMaxRatio = 1.25;  // Tunable: ours, without a figure
+bool is_credible(const Camera& calibrated, const Camera& before, double max_ratio) {
     const double ratio = calibrated.mean_focal() / before.mean_focal();
     // Expected: intrinsics that make no sense are not taken over
     return validate(calibrated).ok() && (before.focal_source == FocalSource::kUnknown ||
-                                         (ratio < kMaxRatio && ratio > 1.0 / kMaxRatio));
+                                         (ratio < max_ratio && ratio > 1.0 / max_ratio));
 }
 
 }  // namespace
@@ -151,7 +150,8 @@ Result<std::map<CameraId, Camera>> calibrate_shared_cameras(const ClusterProblem
             const Camera& before = graph.cameras.at(id);
             const bool wanted = before.focal_source == FocalSource::kUnknown ||
                                 before.focal_source == FocalSource::kExif;
-            if (wanted && is_credible(refined, before)) calibrated.try_emplace(id, refined);
+            if (wanted && is_credible(refined, before, options.global.max_focal_change))
+                calibrated.try_emplace(id, refined);
         }
     }
     return calibrated;

@@ -11,10 +11,6 @@
 namespace psfm {
 namespace {
 
-/// Images that are added before models are tried again. Lowered: tried in vain more often; raised:
-/// more is built a second time. Tunable: ours, without a figure.
-constexpr std::uint32_t kFirstRetry = 5;
-
 /// Models of which so many images are not in the working model that they are worth joining.
 std::vector<Reconstruction> worth_joining(std::vector<Reconstruction> parts,
                                           const WorkingModel& model, std::uint32_t least) {
@@ -33,7 +29,7 @@ Result<void> join_while_growing(SolveDraft& draft, Recycling recycling, const So
                                 const HandleJoint& handle) {
     SolveStatistics& statistics = draft.statistics;
     statistics.left_models = recycling.joined + recycling.left;
-    for (std::uint32_t pace = kFirstRetry;; pace *= 2) {
+    for (std::uint32_t pace = context.options.join_again_after;; pace *= 2) {
         if (recycling.joined > 0) {
             statistics.joined_models += recycling.joined;
             statistics.left_models -= recycling.joined;

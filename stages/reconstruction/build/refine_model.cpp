@@ -17,7 +17,7 @@
 namespace psfm {
 namespace {
 
-/// Tunable: images from which focal lengths are adjusted: two views hardly determine them.
+/// Guard: images from which focal lengths are adjusted: two views hardly determine them.
 constexpr std::uint32_t kImagesForIntrinsics = 3;
 
 /// Of the points that one of the images sees; of all points, when there are none.
@@ -55,17 +55,17 @@ std::vector<std::uint32_t> registered_images(const WorkingModel& model) {
 
 /// The images, and all that share so many points with them that they hold each other; ascending.
 std::vector<std::uint32_t> with_neighbors(const WorkingModel& model,
-                                          const std::vector<std::uint32_t>& images) {
-    constexpr std::uint32_t kSharedPoints = 15;  // Tunable: what a pose is taken from at least
+                                          const std::vector<std::uint32_t>& images,
+                                          std::uint32_t shared_points) {
     std::vector<std::uint32_t> shared(model.image_count(), 0);
     for (const std::uint32_t point : points_seen_by(model, images)) {
         for (const WorkingModel::Feature& feature : model.points()[point].track)
             ++shared[feature.image];
     }
-    for (const std::uint32_t image : images) shared[image] = kSharedPoints;
+    for (const std::uint32_t image : images) shared[image] = shared_points;
     std::vector<std::uint32_t> region;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
-        if (model.registered(image) && shared[image] >= kSharedPoints) region.push_back(image);
+        if (model.registered(image) && shared[image] >= shared_points) region.push_back(image);
     }
     return region;
 }
@@ -212,10 +212,10 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
                                     const SolveOptions& options, const std::atomic<bool>* cancel) {
     std::erase_if(images, [&](std::uint32_t image) { return !model.registered(image); });
     if (images.empty()) return 0U;
-    std::vector<std::uint32_t> region = with_neighbors(model, images);
+    std::vector<std::uint32_t> region = with_neighbors(model, images, options.neighbor_points);
     for (std::size_t before = 0; region.size() < at_least && before < region.size();) {
         before = region.size();
-        region = with_neighbors(model, region);
+        region = with_neighbors(model, region, options.neighbor_points);
     }
     // The others hold the gauge.
     const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
@@ -265,8 +265,8 @@ Result<std::uint32_t> refine_locally(WorkingModel& model, std::span<const std::u
     std::uint32_t adjustments = 0;
     // The second pass works on what the first has filtered (COLMAP's mapper does likewise).
     for (int pass = 0; pass < 2; ++pass) {
-        const AdjustmentScope scope =
-            local_scope(model, images, options.local_neighbors, !fix_intrinsics);
+        const AdjustmentScope scope = local_scope(model, images, options.local_neighbors,
+                                                  options.local_longest_track, !fix_intrinsics);
         const auto report = adjust(model, scope, options.local_adjustment, cancel);
         if (!report.ok()) return report.error();
         ++adjustments;

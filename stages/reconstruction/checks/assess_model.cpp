@@ -127,13 +127,11 @@ const Camera& camera_of(const Reconstruction& model, ImageId image) {
 /// Whether a pair that was taken for a turn is one with the intrinsics of the model: with a focal
 /// length that was guessed, a step over flat land looks like one. The homography of a turn is a
 /// rotation between the rays; that of a step stretches them by the step over the height.
-bool is_turn(const TwoViewGeometry& geometry, const Camera& camera1, const Camera& camera2) {
-    // Raised: flights over flat land give up their models; lowered: turns whose focal length came
-    // out wrong count for steps. Tunable: ours, without a figure.
-    constexpr double kMostStretch = 0.1;
+bool is_turn(const TwoViewGeometry& geometry, const Camera& camera1, const Camera& camera2,
+             double max_stretch) {
     const Eigen::Matrix3d between = camera2.matrix().inverse() * geometry.matrix * camera1.matrix();
     const Eigen::Vector3d stretches = Eigen::JacobiSVD<Eigen::Matrix3d>(between).singularValues();
-    return stretches[0] <= (1.0 + kMostStretch) * stretches[2];
+    return stretches[0] <= (1.0 + max_stretch) * stretches[2];
 }
 
 }  // namespace
@@ -156,7 +154,7 @@ bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPai
         const auto weight = static_cast<double>(geometry.inliers.size());
         all += weight;
         if (geometry.kind != TwoViewKind::kPureRotation ||
-            !is_turn(geometry, camera_of(model, a), camera_of(model, b)))
+            !is_turn(geometry, camera_of(model, a), camera_of(model, b), options.max_turn_stretch))
             continue;
         turns += weight;
         const double turn =

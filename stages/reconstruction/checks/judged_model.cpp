@@ -13,12 +13,6 @@
 namespace psfm {
 namespace {
 
-/// Part of a pair's matches that a model has in common points, from which it explains the pair, and
-/// below which it denies it. Tunable: ours; right pairs keep half and more, ones with hardly any
-/// depth a tenth at least, and pairs of look-alikes next to nothing.
-constexpr double kExplained = 0.3;
-constexpr double kDenied = 0.1;
-
 std::optional<std::uint32_t> position_of(const Reconstruction& model, ImageId image) {
     const RegisteredImage* found = model.find(image);
     if (found == nullptr) return std::nullopt;
@@ -72,19 +66,17 @@ std::uint32_t observations_by_place(const SolveAttempt& attempt) {
 
 }  // namespace
 
-bool ModelEdge::is_explained() const {
-    return explained >= kExplained;
+bool ModelEdge::is_explained(const DoubtOptions& options) const {
+    return explained >= options.min_explained;
 }
 
-bool ModelEdge::is_denied() const {
-    return !is_weak && explained < kDenied;
+bool ModelEdge::is_denied(const DoubtOptions& options) const {
+    return !is_weak && explained < options.max_denied;
 }
 
 std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProblem& problem,
-                                const std::vector<ComparedPair>& compared) {
-    /// How fast an edge loses its weight with the part of the regions that is missing between its
-    /// images. Tunable: ours; a tenth of them, and a false edge is weaker than any true one.
-    constexpr double kPenalty = 15.0;
+                                const std::vector<ComparedPair>& compared,
+                                const DoubtOptions& options) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> missing_part;
     for (const ComparedPair& pair : compared)
         missing_part[{pair.first, pair.second}] = static_cast<double>(pair.missing) / pair.regions;
@@ -102,7 +94,8 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
             best[*first] = std::max(best[*first], matches);
             best[*second] = std::max(best[*second], matches);
             const auto found = missing_part.find({*first, *second});
-            const double penalty = found == missing_part.end() ? 0.0 : kPenalty * found->second;
+            const double penalty =
+                found == missing_part.end() ? 0.0 : options.missing_penalty * found->second;
             edges.push_back({*first, *second, pair,
                              explained_part(pair->geometry, points[*first], points[*second]),
                              matches, matches * std::exp(-penalty), pairs == &weak});
@@ -120,7 +113,7 @@ Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOpt
         attempt.state.has_strangers = false;
     }
     judged.compared = compare_by_region(attempt.model, options.doubt);
-    judged.edges = edges_of(attempt.model, problem, judged.compared);
+    judged.edges = edges_of(attempt.model, problem, judged.compared, options.doubt);
     ModelScore& score = judged.score;
     score.images = static_cast<std::uint32_t>(attempt.model.images.size());
     score.observations = observations_by_place(attempt);
@@ -130,7 +123,8 @@ Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOpt
         score.contradicting += contradicts(pair, options.doubt) ? 1 : 0;
     }
     for (const ModelEdge& edge : judged.edges) {
-        if (edge.is_denied() && edge.relative >= options.doubt.min_denied) ++score.denied;
+        if (edge.is_denied(options.doubt) && edge.relative >= options.doubt.min_denied)
+            ++score.denied;
     }
     judged.attempt = std::move(attempt);
     return judged;
@@ -141,24 +135,18 @@ bool is_doubted(const Judged& judged) {
            !judged.attempt.places->empty();
 }
 
-bool is_better(const ModelScore& other, const ModelScore& best) {
+bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options) {
     if (other.images < best.images) return false;
-    // Tunable: ours; counts of a few regions differ by chance, and right models of look-alikes
-    // explain less than folded ones, which see everything twice.
-    constexpr double kClearly = 0.7;
-    constexpr std::uint32_t kByChance = 10;
-    constexpr double kLessExplained = 0.85;
-    constexpr double kMoreExplained = 1.005;
     const auto explains = [&](double factor) {
         return static_cast<double>(other.observations) >= factor * best.observations;
     };
-    const bool clearly_less = other.missing_part() < kClearly * best.missing_part() &&
-                              other.missing + kByChance <= best.missing &&
+    const bool clearly_less = other.missing_part() < options.clearly_less * best.missing_part() &&
+                              other.missing + options.missing_by_chance <= best.missing &&
                               other.contradicting <= best.contradicting;
-    const bool clearly_more = best.missing_part() < kClearly * other.missing_part() &&
-                              best.missing + kByChance <= other.missing;
-    if (clearly_less) return explains(kLessExplained);
-    return !clearly_more && explains(kMoreExplained);
+    const bool clearly_more = best.missing_part() < options.clearly_less * other.missing_part() &&
+                              best.missing + options.missing_by_chance <= other.missing;
+    if (clearly_less) return explains(options.less_explained);
+    return !clearly_more && explains(options.more_explained);
 }
 
 }  // namespace psfm

@@ -30,7 +30,7 @@ struct ModelScore {
 
 /// Whether one model is to take the place of another: it places as many images, and clearly less is
 /// missing from it; or no more is missing, and it explains more.
-bool is_better(const ModelScore& other, const ModelScore& best);
+bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options);
 
 /// A pair between two images of a model.
 struct ModelEdge {
@@ -42,15 +42,16 @@ struct ModelEdge {
     double weight = 0.0;     ///< its matches, less where regions are missing between its images
     bool is_weak = false;
 
-    bool is_explained() const;
+    bool is_explained(const DoubtOptions& options) const;
     /// A weak edge is none to deny.
-    bool is_denied() const;
+    bool is_denied(const DoubtOptions& options) const;
 };
 
 /// The edges of a cluster between images of its model, weak ones last. @param compared  of the
 /// model
 std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProblem& problem,
-                                const std::vector<ComparedPair>& compared);
+                                const std::vector<ComparedPair>& compared,
+                                const DoubtOptions& options);
 
 /// A model with what is known of it.
 struct Judged {

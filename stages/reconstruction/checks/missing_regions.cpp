@@ -118,9 +118,9 @@ ComparedPair compare(const std::vector<View>& views, std::uint32_t first, std::u
         if (region.shared > 0) expected_where_shared += region.expected;
     }
     if (expected < options.min_points) return pair;
-    constexpr std::uint32_t kFewShared = 15;  // Tunable: as many as a verified pair has
-    const double rate = shared < kFewShared ? options.unknown_rate
-                                            : static_cast<double>(shared) / expected_where_shared;
+    const double rate = shared < options.few_shared
+                            ? options.unknown_rate
+                            : static_cast<double>(shared) / expected_where_shared;
     for (const Region& region : regions) {
         if (region.expected * rate < options.min_expected) continue;
         ++pair.regions;

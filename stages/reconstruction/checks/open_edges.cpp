@@ -101,7 +101,7 @@ std::optional<Sim3> relation_of(const EdgeCorrespondences& found) {
     const auto robust = estimate_sim3_ransac(std::span(&found, 1), {}, options, seed);
     // Expected: points that agree on no similarity have no relation
     if (!robust.ok() || robust->support.inliers < options.min_edge_inliers) return std::nullopt;
-    return refine_sim3(std::span(&found, 1), robust->b_from_a, options.max_error);
+    return refine_sim3(std::span(&found, 1), robust->b_from_a, options);
 }
 
 std::optional<PoseGraphEdge> open_edge(const WorkingModel& model, const VerifiedPair& pair,

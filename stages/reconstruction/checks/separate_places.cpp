@@ -17,16 +17,6 @@
 namespace psfm {
 namespace {
 
-/// Points of each image that are looked at first. Lowered: all are looked at in vain more often.
-/// Tunable: ours, as are the next.
-constexpr std::uint32_t kGlancePoints = 48;
-/// A pair that shares nothing shares at most so many times max_shared_by_chance of a few points.
-/// Raised: all are looked at more often; lowered: folds are overlooked by chance.
-constexpr double kGlanceFactor = 3.0;  // Tunable: ours, as above
-/// A pair that shares more of a few points is of one place whatever the others say. Raised: more
-/// pairs have all their points counted; lowered: chance decides.
-constexpr double kClearPart = 0.7;  // Tunable: ours, as above
-
 std::vector<SideBySide> sharing_up_to(std::span<const SideBySide> pairs, double part) {
     std::vector<SideBySide> sharing;
     std::ranges::copy_if(pairs, std::back_inserter(sharing),
@@ -48,7 +38,7 @@ std::vector<SideBySide> count_doubtful(const Reconstruction& model, const PlaceO
     }
     const auto is_doubtful = [&](const SideBySide& pair) {
         return is_near[pair.first] != 0 || is_near[pair.second] != 0 ||
-               pair.shared_part() <= kClearPart;
+               pair.shared_part() <= options.clear_part;
     };
     std::vector<SideBySide> counted;
     std::ranges::copy_if(pairs, std::back_inserter(counted), is_doubtful);
@@ -57,9 +47,9 @@ std::vector<SideBySide> count_doubtful(const Reconstruction& model, const PlaceO
     return counted;
 }
 
-/// By image what its pairs reach: the second best, since one may be nearly a copy.
-std::vector<double> reached_parts(std::size_t images, std::span<const SideBySide> pairs) {
-    constexpr std::size_t kRank = 2;  // Tunable: ours; one may be nearly a copy
+/// By image what its pairs reach: the second best, say, since one may be nearly a copy.
+std::vector<double> reached_parts(std::size_t images, std::span<const SideBySide> pairs,
+                                  std::size_t rank) {
     std::vector<std::vector<double>> parts(images);
     for (const SideBySide& pair : pairs) {
         parts[pair.first].push_back(pair.shared_part());
@@ -69,7 +59,7 @@ std::vector<double> reached_parts(std::size_t images, std::span<const SideBySide
     for (std::size_t i = 0; i < images; ++i) {
         if (parts[i].empty()) continue;
         std::ranges::sort(parts[i], std::ranges::greater());
-        reached[i] = parts[i][std::min(kRank, parts[i].size()) - 1];
+        reached[i] = parts[i][std::min(rank, parts[i].size()) - 1];
     }
     return reached;
 }
@@ -88,7 +78,8 @@ std::vector<SignedEdge> weigh(const Reconstruction& model, std::span<const Verif
         const auto second = position_of(edge->pair.second);
         if (first && second) weights[{*first, *second}] = options.edge_weight;
     }
-    const std::vector<double> reached = reached_parts(model.images.size(), pairs);
+    const std::vector<double> reached =
+        reached_parts(model.images.size(), pairs, options.reached_rank);
     for (const SideBySide& pair : pairs) {
         const double best = std::min(reached[pair.first], reached[pair.second]);
         // Both share as little with whatever stands beside them: that says nothing of this pair.
@@ -133,8 +124,8 @@ std::set<std::uint32_t> contradicted(std::span<const std::uint32_t> part_of,
 bool may_show_another_place(const Reconstruction& model, const ScenePoints& seen,
                             std::span<const ImageId> images, const PlaceOptions& options) {
     return options.min_contradictions > 0 &&
-           stand_beside_strangers(model, seen, images, kGlanceFactor * options.max_shared_by_chance,
-                                  options);
+           stand_beside_strangers(model, seen, images,
+                                  options.glance_factor * options.max_shared_by_chance, options);
 }
 
 std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
@@ -142,9 +133,10 @@ std::vector<std::vector<ImageId>> separate_places(const Reconstruction& model,
                                                   const PlaceOptions& options) {
     if (options.min_contradictions == 0) return {};
     // Nearly all models show one place, and a few points of each image are enough to see that.
-    const std::vector<SideBySide> glanced = find_side_by_side(model, options, kGlancePoints);
+    const std::vector<SideBySide> glanced =
+        find_side_by_side(model, options, options.glance_points);
     const std::vector<SideBySide> suspicious =
-        sharing_up_to(glanced, kGlanceFactor * options.max_shared_by_chance);
+        sharing_up_to(glanced, options.glance_factor * options.max_shared_by_chance);
     if (suspicious.size() < options.min_contradictions) return {};
     const std::vector<SideBySide> strangers =
         sharing_up_to(count_all_points(model, options, suspicious), options.max_shared_by_chance);

@@ -134,11 +134,9 @@ bool sees(const ScenePoint& point, ImageId image) {
 
 /// Adds what an image should see of what another one has seen, each point `weight` times.
 void count(std::span<const ScenePoint* const> seen, const Camera& camera,
-           const RegisteredImage& image, std::uint32_t weight, SideBySide& pair) {
-    /// Tunable: features are not found at the very edge, and poses are not exact.
-    constexpr double kMargin = 0.02;
+           const RegisteredImage& image, std::uint32_t weight, double rim, SideBySide& pair) {
     const Eigen::Array2d size(camera.width, camera.height);
-    const double margin = kMargin * size.maxCoeff();
+    const double margin = rim * size.maxCoeff();
     for (const ScenePoint* point : seen) {
         const auto pixel = project(camera, image.cam_from_cluster * point->position);
         if (!pixel || (pixel->array() < margin).any() || (pixel->array() > size - margin).any())
@@ -149,13 +147,15 @@ void count(std::span<const ScenePoint* const> seen, const Camera& camera,
 }
 
 void count_all(const Reconstruction& model, const std::vector<View>& views, std::uint32_t weight,
-               std::vector<SideBySide>& pairs) {
+               double margin, std::vector<SideBySide>& pairs) {
     in_parallel(pairs.size(), 16, [&](std::size_t k) {
         SideBySide& pair = pairs[k];
         const std::uint32_t first = pair.first;
         const std::uint32_t second = pair.second;
-        count(views[first].points, *views[second].camera, model.images[second], weight, pair);
-        count(views[second].points, *views[first].camera, model.images[first], weight, pair);
+        count(views[first].points, *views[second].camera, model.images[second], weight, margin,
+              pair);
+        count(views[second].points, *views[first].camera, model.images[first], weight, margin,
+              pair);
     });
 }
 
@@ -184,7 +184,7 @@ std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const Pla
     const auto repeated = std::ranges::unique(pairs, {}, ends);
     pairs.erase(repeated.begin(), repeated.end());
 
-    count_all(model, views, step, pairs);
+    count_all(model, views, step, options.margin, pairs);
     std::erase_if(pairs,
                   [&](const SideBySide& pair) { return pair.expected < options.min_expected; });
     return pairs;
@@ -195,7 +195,7 @@ std::vector<SideBySide> count_all_points(const Reconstruction& model, const Plac
     std::vector<SideBySide> counted;
     counted.reserve(pairs.size());
     for (const SideBySide& pair : pairs) counted.push_back({pair.first, pair.second, 0, 0});
-    count_all(model, views_of(model, 1, options), 1, counted);
+    count_all(model, views_of(model, 1, options), 1, options.margin, counted);
     std::erase_if(counted,
                   [&](const SideBySide& pair) { return pair.expected < options.min_expected; });
     return counted;
@@ -225,7 +225,8 @@ bool stand_beside_strangers(const Reconstruction& model, const ScenePoints& seen
         return std::ranges::any_of(neighbors, [&](std::uint32_t other) {
             const RegisteredImage& neighbor = model.images[other];
             SideBySide pair;
-            count(view.points, model.cameras.at(neighbor.camera), neighbor, 1, pair);
+            count(view.points, model.cameras.at(neighbor.camera), neighbor, 1, options.margin,
+                  pair);
             // Both ways together more are asked for.
             return 2 * pair.expected >= options.min_expected &&
                    pair.shared_part() <= max_shared_part;

@@ -17,6 +17,10 @@ struct AssessmentOptions {
     /// A turn contradicts a model that shows its points from directions that differ by more [deg].
     /// Matches of a turn are within 0.3 at a focal length of 1,000 px.
     double max_turn_parallax_deg = 2.0;
+    /// And its homography stretches rays by this part at most, with the model's focal lengths.
+    /// Raised: flights over flat land give up their models; lowered: turns whose focal length came
+    /// out wrong count for steps. Not tuned.
+    double max_turn_stretch = 0.1;
     /// A model has invented its depth when it contradicts more than this part of such turns, by
     /// inliers; 0: none has, as in the paper.
     double max_invented = 0.5;

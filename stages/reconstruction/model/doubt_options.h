@@ -24,8 +24,10 @@ struct DoubtOptions {
     /// A region is missing when so many matches are expected in it, by the rate of the pair's other
     /// regions, and there is none. Lowered: chance; raised: sparse images say nothing.
     double min_expected = 3.0;
-    /// That rate where a pair shares next to nothing.
+    /// That rate where a pair shares next to nothing, fewer points than so many: as a verified pair
+    /// has.
     double unknown_rate = 0.25;
+    std::uint32_t few_shared = 15;
     /// The other image has to see so many points of its own there, no nearer than this part of the
     /// depth: else something stands in between.
     std::uint32_t min_own = 3;
@@ -37,6 +39,15 @@ struct DoubtOptions {
     /// what they show are not.
     std::uint32_t min_missing = 3;
     double min_missing_part = 0.2;
+    /// Part of an edge's matches that a model has in common points, from which it explains the
+    /// edge, and below which it denies it: right ones keep half and more, ones with hardly any
+    /// depth a tenth at least, and edges of look-alikes next to nothing.
+    double min_explained = 0.3;
+    double max_denied = 0.1;
+    /// How fast an edge loses its weight with the part of the regions that is missing between its
+    /// images, as an exponent: a tenth of them, and a false edge is weaker than any true one.
+    /// Lowered: models are cut at true edges; raised: reflections decide where.
+    double missing_penalty = 15.0;
     /// An edge with so many of the matches of its images' best edges is not to be denied by a model
     /// without a doubt. Lowered: look-alikes of common scenes are looked into; raised: an image in
     /// a wrong place is overlooked.
@@ -50,6 +61,16 @@ struct DoubtOptions {
     /// Cuts of a doubted model that are tried at most, and how often the best one is cut again.
     std::uint32_t max_cuts = 5;
     std::uint32_t max_rounds = 5;
+    /// A model takes another one's place when less than this part of what is missing from the other
+    /// is missing from it, by so many regions at least: counts of a few differ by chance. A larger
+    /// part, or fewer regions: chance decides; the other way: folds stay.
+    double clearly_less = 0.7;
+    std::uint32_t missing_by_chance = 10;
+    /// It may then have less than the other's observations, down to this part: right models of
+    /// look-alikes explain less than folded ones, which see everything twice. Lowered: what has
+    /// come apart passes. Else it has to have more of them, by this factor.
+    double less_explained = 0.85;
+    double more_explained = 1.005;
 };
 
 /// @errors kInvalidArgument

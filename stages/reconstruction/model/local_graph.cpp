@@ -131,9 +131,6 @@ VerifiedPairPtr as_averaged(const VerifiedPairPtr& pair, const ClusterProblem& p
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
 }
 
-/// Tunable: what a weak edge counts beside others: it decides where nothing else does. Ours.
-constexpr double kWeakEdge = 1e-3;
-
 /// How much an edge counts among others.
 double weight_of(const TwoViewGeometry& geometry, const SolveOptions& options) {
     const double inliers = std::max(1.0, static_cast<double>(geometry.inliers.size()));
@@ -164,7 +161,7 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     };
     for (const VerifiedPairPtr& pair : of_cluster) add(pair, 1.0);
     const std::size_t strong = pairs.size();
-    for (const VerifiedPairPtr& pair : weak_pairs_of(problem)) add(pair, kWeakEdge);
+    for (const VerifiedPairPtr& pair : weak_pairs_of(problem)) add(pair, options.weak_edge_weight);
     const auto averaged = average_rotations(
         rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);
     if (!averaged.ok()) return averaged.error();

@@ -19,6 +19,10 @@ Result<void> validate(const LoopOptions& options) {
         return invalid("edges_per_image and max_iterations must be at least 1");
     if (!(options.max_lost_observations >= 0.0))
         return invalid("max_lost_observations is negative");
+    if (!(options.min_strain > 0.0) || !(options.max_torn >= 0.0) ||
+        !(options.drift_loss_scale > 0.0))
+        return invalid("min_strain and drift_loss_scale must be positive, max_torn not negative");
+    if (options.images_per_group == 0) return invalid("images_per_group must be at least 1");
     return {};
 }
 

@@ -34,6 +34,17 @@ struct LoopOptions {
     double max_residual = 0.1;
     /// Part of the observations that closing may cost: it would not, were the loop a true one.
     double max_lost_observations = 0.01;
+    /// Residual from which an edge that holds has been strained: some pixels. Images of strained
+    /// edges are adjusted. Lowered: more are, soon all of the model; the rest is for settling.
+    double min_strain = 0.004;
+    /// Edges that are torn, at most, over those that closed. Raised: wrong edges tear models apart.
+    double max_torn = 0.1;
+    /// Huber's scale of the pose graph that spreads drift: so large that hardly a residual is an
+    /// outlier. Lowered: what is wrong gathers at few places, as it does without drift.
+    double drift_loss_scale = 1.0;
+    /// Images that move as one where nothing is strained. Raised: breaks are looked for at fewer
+    /// places; lowered: slower. Not tuned.
+    std::uint32_t images_per_group = 16;
 };
 
 /// @errors kInvalidArgument

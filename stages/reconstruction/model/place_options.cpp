@@ -19,6 +19,10 @@ Result<void> validate(const PlaceOptions& options) {
     if (!(options.edge_weight >= 0.0)) return invalid("edge_weight is negative");
     if (!(options.max_shared_by_chance >= 0.0 && options.max_shared_by_chance < options.same_place))
         return invalid("max_shared_by_chance must be between 0 and same_place");
+    if (options.reached_rank == 0 || options.glance_points == 0)
+        return invalid("reached_rank and glance_points must be at least 1");
+    if (!(options.margin >= 0.0 && options.margin < 0.5))
+        return invalid("margin must be at least 0 and below 0.5");
     return {};
 }
 

@@ -47,6 +47,22 @@ struct PlaceOptions {
     std::uint32_t min_images = 5;
     /// Part of the expected points up to which a pair shares nothing: chance matches do occur.
     double max_shared_by_chance = 0.02;
+    /// What an image's pairs reach elsewhere is that of the pair of this rank: one may be nearly a
+    /// copy. Raised: images with few beside them say nothing. Ours.
+    std::uint32_t reached_rank = 2;
+    /// Points of each image that are looked at first. Lowered: all are looked at in vain more
+    /// often. Ours.
+    std::uint32_t glance_points = 48;
+    /// Of these a pair that shares nothing shares at most so many times max_shared_by_chance.
+    /// Raised: all are looked at more often; lowered: folds are overlooked by chance. Ours.
+    double glance_factor = 3.0;
+    /// And a pair that shares more is of one place whatever the others say. Raised: more pairs have
+    /// all their points counted; lowered: chance decides. Ours.
+    double clear_part = 0.7;
+    /// Rim of a photograph in which no point is expected, over its longer side: features are not
+    /// found at the very edge, and poses are not exact. Raised: fewer points are; lowered: what is
+    /// seen by one only speaks for two places. Not tuned.
+    double margin = 0.02;
 };
 
 Result<void> validate(const PlaceOptions& options);

@@ -36,6 +36,9 @@ struct InitializationOptions {
     double min_angle_deg = 16.0;
     /// Pairs tried at most for one start. Ours.
     std::uint32_t max_pairs = 30;
+    /// Starts of one solve, each from other images, while no model has half of the cluster. Raised:
+    /// slower where no model has; lowered: a start in the wrong place decides. Not tuned.
+    std::uint32_t max_starts = 3;
 };
 
 /// Adjusting all of a model.
@@ -74,6 +77,9 @@ struct GlobalOptions {
     /// Images of one camera that such a model must have. Lowered: cameras are taken for calibrated
     /// that are not; raised: cameras of few images are not. Ours.
     std::uint32_t images_to_calibrate = 6;
+    /// Factor by which its focal length may differ from what EXIF says. Raised: small models that
+    /// went wrong are believed; lowered: EXIF that is wrong is. Not tuned.
+    double max_focal_change = 1.25;
     /// Linearisations of reweighted least squares that refine the averaged rotations. Lowered:
     /// rotations, and with them directions, less accurate. Ours.
     std::uint32_t rotation_refinements = 20;
@@ -136,6 +142,27 @@ struct SolveOptions {
     std::uint32_t images_around_joint = 200;
     /// Images beside the new one whose poses move in a local adjustment. COLMAP 3.8: 6 in all.
     std::uint32_t local_neighbors = 5;
+    /// Points that more images see than this stand still in it. Raised: slower where many images
+    /// see each point; lowered: fewer points follow a new image. COLMAP 3.8: 15.
+    std::uint32_t local_longest_track = 15;
+    /// Points that an image shares with others to be adjusted with them, where a region of a model
+    /// is: about what a pose is taken from at least. Raised: smaller regions, held by more;
+    /// lowered: slower. Ours.
+    std::uint32_t neighbor_points = 15;
+    /// Images that are added before models that came along and found no joint are tried again;
+    /// twice as many each time. Lowered: tried in vain more often; raised: more is built a second
+    /// time. Not tuned.
+    std::uint32_t join_again_after = 5;
+    /// Part of a model's points up to which its surroundings are solved by themselves. Raised,
+    /// above one half: hardly faster than all of it; lowered: slower. Not tuned.
+    double max_surroundings = 0.75;
+    /// What a weak edge weighs where rotations are averaged, beside others: it decides where
+    /// nothing else does. Raised: wrong ones turn parts. Ours.
+    double weak_edge_weight = 1e-3;
+    /// Images of a camera that a published model must have for its intrinsics to be taken over in
+    /// other clusters. Lowered: weak geometry's guesses spread; raised: each cluster guesses by
+    /// itself. Not tuned.
+    std::uint32_t images_to_hand_on = 10;
     /// Images with fewer observations after adjustment are taken out again. Ours: half of the
     /// inliers that registration asks for.
     std::uint32_t min_observations = 10;

@@ -13,9 +13,6 @@
 namespace psfm {
 namespace {
 
-/// Tunable: a part with more of the points than this saves nothing. Ours.
-constexpr double kMostPoints = 0.75;
-
 /// What an image is to the part.
 enum class Role : std::uint8_t { kOutside, kObserver, kNeighbor, kNew };
 
@@ -111,14 +108,15 @@ Reconstruction part_of(const Reconstruction& model, std::vector<ScenePoint> poin
 
 }  // namespace
 
-std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& problem) {
+std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& problem,
+                                                       double max_points) {
     const Reconstruction& model = *problem.recycled.front();
     if (model.images.size() >= problem.images.size()) return std::nullopt;
     const LocalNumbers numbers(problem);
     std::vector<Role> roles = new_images_and_neighbors(problem, numbers);
     InsidePoints inside = points_of_neighbors(model.points, numbers, roles);
     if (static_cast<double>(inside.points.size()) >
-        kMostPoints * static_cast<double>(model.points.size()))
+        max_points * static_cast<double>(model.points.size()))
         return std::nullopt;
     for (const ScenePoint& point : inside.points) {
         for (const Observation& seen : point.track) {

@@ -22,10 +22,12 @@ struct Surroundings {
 };
 
 /// @param problem  with recycled models, the first of members only
-/// @return nothing when no member is new to it, or when the part would be most of the model
+/// @param max_points  the part has at most this share of the model's points
+/// @return nothing when no member is new to it, or when the part would have more
 /// Deterministic. Thread-safe. Cost: a look at each image and each block of points (PointBlock),
 /// and a copy of the part.
-std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& problem);
+std::optional<Surroundings> surroundings_of_new_images(const ClusterProblem& problem,
+                                                       double max_points);
 
 /// The whole model with its part replaced: points outside as they were, then those of the part.
 /// Blocks of points that the part has none of are shared.

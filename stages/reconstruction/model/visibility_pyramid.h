@@ -24,7 +24,7 @@ class VisibilityPyramid {
     std::uint64_t score() const { return score_; }
 
   private:
-    static constexpr int kLevels = 5;  // Tunable: COLMAP 3.8 has six
+    static constexpr int kLevels = 5;  // Mathematics: of the score; COLMAP 3.8 has six
     std::size_t cell(const Eigen::Vector2d& pixel, int level) const;
 
     double width_ = 1.0;

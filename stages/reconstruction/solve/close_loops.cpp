@@ -19,17 +19,6 @@
 namespace psfm {
 namespace {
 
-/// Tunable: residual from which an edge that holds has been strained: some pixels. Lowered: more is
-/// adjusted, soon all of the model; the rest is for settling. Ours.
-constexpr double kStrain = 0.004;
-/// Edges that are torn, at most, over those that closed. Raised: wrong edges tear models apart.
-/// Tunable: ours, without a figure.
-constexpr double kMaxTorn = 0.1;
-/// Tunable: loss scale of a pose graph to which hardly a residual is an outlier. Ours.
-constexpr double kQuadratic = 1.0;
-/// Images that move as one where nothing is strained. Raised: breaks are looked for at fewer
-/// places; lowered: slower. Tunable: ours, without a figure.
-constexpr std::size_t kImagesAGroup = 16;
 /// Times that edges which stay open are left out before the others are asked once more. Ours.
 constexpr int kMaxPasses = 3;  // Guard: ends the passes
 
@@ -49,10 +38,11 @@ double residual_of(const PoseGraphEdge& edge, const std::vector<Sim3>& poses) {
     return pose_graph_residual(edge, poses[edge.a], poses[edge.b]);
 }
 
-std::vector<std::uint32_t> strained_images(const LoopEdges& edges, const std::vector<Sim3>& poses) {
+std::vector<std::uint32_t> strained_images(const LoopEdges& edges, const std::vector<Sim3>& poses,
+                                           double min_strain) {
     std::vector<std::uint32_t> images;
     for (const PoseGraphEdge& edge : edges.holding) {
-        if (residual_of(edge, poses) > kStrain) images.insert(images.end(), {edge.a, edge.b});
+        if (residual_of(edge, poses) > min_strain) images.insert(images.end(), {edge.a, edge.b});
     }
     for (const PoseGraphEdge& edge : edges.open) images.insert(images.end(), {edge.a, edge.b});
     sort_unique(images);
@@ -64,19 +54,19 @@ std::vector<std::uint32_t> strained_images(const LoopEdges& edges, const std::ve
 /// is strained.
 Result<std::vector<Sim3>> solve_at_breaks(const LoopEdges& edges,
                                           std::span<const PoseGraphEdge> all, std::size_t images,
-                                          PoseGraphOptions options) {
-    options.max_residual = std::numeric_limits<double>::max();
+                                          PoseGraphOptions pose_graph, const LoopOptions& options) {
+    pose_graph.max_residual = std::numeric_limits<double>::max();
     std::vector<std::uint8_t> is_alone(images, 0);
     for (const PoseGraphEdge& edge : edges.open) is_alone[edge.a] = is_alone[edge.b] = 1;
     std::vector<Sim3> poses;
     for (const bool last : {false, true}) {
-        const RigidGroups groups = group_rigidly(edges.holding, is_alone, kImagesAGroup);
-        auto solved = solve_cluster_poses(groups.edges_between(all), groups.sizes, options);
+        const RigidGroups groups = group_rigidly(edges.holding, is_alone, options.images_per_group);
+        auto solved = solve_cluster_poses(groups.edges_between(all), groups.sizes, pose_graph);
         if (!solved.ok()) return solved.error();
         poses = groups.by_node(solved->component_from_cluster);
         if (last) break;
         std::vector<std::uint8_t> is_strained(groups.sizes.size(), 0);
-        for (const std::uint32_t image : strained_images(edges, poses))
+        for (const std::uint32_t image : strained_images(edges, poses, options.min_strain))
             is_strained[groups.group_of[image]] = 1;
         for (std::size_t image = 0; image < images; ++image)
             is_alone[image] |= is_strained[groups.group_of[image]];
@@ -92,8 +82,8 @@ Result<std::vector<Sim3>> solve_poses(const LoopEdges& edges, std::size_t images
     all.insert(all.end(), edges.open.begin(), edges.open.end());
     PoseGraphOptions pose_graph;
     pose_graph.max_iterations = options.max_iterations;
-    if (at_breaks) return solve_at_breaks(edges, all, images, pose_graph);
-    pose_graph.huber_scale = kQuadratic;
+    if (at_breaks) return solve_at_breaks(edges, all, images, pose_graph, options);
+    pose_graph.huber_scale = options.drift_loss_scale;
     const std::vector<std::size_t> sizes(images, 1);
     return refine_cluster_poses(all, sizes, std::vector<Sim3>(images), pose_graph);
 }
@@ -116,8 +106,8 @@ Result<MaybeClosing> find_closing(const WorkingModel& model, LoopEdges edges, bo
         // Those that the others do not let close are wrong, and pull at the model in vain.
         if (std::erase_if(edges.open, is_far) > 0) continue;
         const auto torn = static_cast<double>(std::ranges::count_if(edges.holding, is_far));
-        if (torn > kMaxTorn * static_cast<double>(edges.open.size())) return MaybeClosing();
-        std::vector<std::uint32_t> strained = strained_images(edges, *poses);
+        if (torn > options.max_torn * static_cast<double>(edges.open.size())) return MaybeClosing();
+        std::vector<std::uint32_t> strained = strained_images(edges, *poses, options.min_strain);
         return MaybeClosing(Closing{*std::move(poses), std::move(strained)});
     }
     return MaybeClosing();

@@ -33,7 +33,7 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
                                                    const std::atomic<bool>* cancel) {
     const std::optional<SolveAttempt> with_all;
     if (places_others_than(*problem.recycled.front(), members_of(problem))) return with_all;
-    const auto surroundings = surroundings_of_new_images(problem);
+    const auto surroundings = surroundings_of_new_images(problem, options.max_surroundings);
     if (!surroundings) return with_all;
     const ClusterProblem& part = surroundings->problem;
 

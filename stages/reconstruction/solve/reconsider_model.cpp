@@ -56,11 +56,11 @@ std::vector<std::uint8_t> sides(std::size_t images, const std::vector<const Mode
 }
 
 /// The strongest tree of what a model explains.
-std::vector<const ModelEdge*> tree_of(const Judged& judged) {
+std::vector<const ModelEdge*> tree_of(const Judged& judged, const DoubtOptions& options) {
     std::vector<WeightedEdge> weighted;
     std::vector<const ModelEdge*> explained;
     for (const ModelEdge& edge : judged.edges) {
-        if (!edge.is_explained()) continue;
+        if (!edge.is_explained(options)) continue;
         weighted.push_back({edge.first, edge.second, edge.weight});
         explained.push_back(&edge);
     }
@@ -74,7 +74,7 @@ std::vector<const ModelEdge*> tree_of(const Judged& judged) {
 /// Cuts through one edge each of that tree.
 std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
     const std::size_t images = judged.attempt.model.images.size();
-    const std::vector<const ModelEdge*> tree = tree_of(judged);
+    const std::vector<const ModelEdge*> tree = tree_of(judged, options);
     std::vector<Cut> cuts;
     cuts.reserve(tree.size());
     for (const ModelEdge* edge : tree) {
@@ -86,7 +86,7 @@ std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
             return cut.side[pair.first] != cut.side[pair.second];
         };
         for (const ModelEdge& other : judged.edges) {
-            if (other.is_denied() && is_across(other))
+            if (other.is_denied(options) && is_across(other))
                 cut.denied += other.relative * other.relative;
         }
         for (const ComparedPair& pair : judged.compared) {
@@ -135,13 +135,14 @@ std::vector<std::vector<ImageId>> split(const Judged& judged, const SolveOptions
 }
 
 /// The cluster with its model in two parts, and without the edges that held them together.
-ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, const Cut& cut) {
-    constexpr std::size_t kSmallestPart = 3;  // Tunable: fewer images are placed one by one
+ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, const Cut& cut,
+                           const DoubtOptions& options) {
+    constexpr std::size_t kSmallestPart = 3;  // Guard: fewer are no model to join
     const Reconstruction& model = judged.attempt.model;
     ClusterProblem apart = problem;
     apart.settle = false;
     for (const ModelEdge& edge : judged.edges) {
-        if (edge.is_explained() && cut.side[edge.first] != cut.side[edge.second])
+        if (edge.is_explained(options) && cut.side[edge.first] != cut.side[edge.second])
             apart.view_graph.remove_edge(edge.pair->pair.first, edge.pair->pair.second);
     }
     apart.recycled.clear();
@@ -155,10 +156,11 @@ ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, 
 }
 
 /// The cluster without the edges that a model denies.
-ClusterProblem without_denied(const ClusterProblem& problem, const Reconstruction& model) {
+ClusterProblem without_denied(const ClusterProblem& problem, const Reconstruction& model,
+                              const DoubtOptions& options) {
     ClusterProblem believed = problem;
-    for (const ModelEdge& edge : edges_of(model, problem, {})) {
-        if (edge.is_denied())
+    for (const ModelEdge& edge : edges_of(model, problem, {}, options)) {
+        if (edge.is_denied(options))
             believed.view_graph.remove_edge(edge.pair->pair.first, edge.pair->pair.second);
     }
     return believed;
@@ -179,7 +181,7 @@ Result<void> offer(Step& step, Result<SolveAttempt> other, const ClusterProblem&
     }
     Judged judged = judge(*std::move(other), problem, options);
     const bool is_complete = judged.score.images >= step.best.score.images;
-    if (is_better(judged.score, step.best.score)) step.best = judged;
+    if (is_better(judged.score, step.best.score, options.doubt)) step.best = judged;
     if (is_complete &&
         (!step.ahead || judged.score.missing_part() < step.ahead->score.missing_part()))
         step.ahead = std::move(judged);
@@ -188,11 +190,12 @@ Result<void> offer(Step& step, Result<SolveAttempt> other, const ClusterProblem&
 
 }  // namespace
 
-std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem) {
+std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem,
+                                              const DoubtOptions& options) {
     const bool is_known = problem.concluding && problem.recycled.size() == 1 &&
                           problem.recycled_state.images_when_reconsidered == problem.images.size();
     if (!is_known) return std::nullopt;
-    return without_denied(problem, *problem.recycled.front());
+    return without_denied(problem, *problem.recycled.front(), options);
 }
 
 Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttempt attempt,
@@ -219,7 +222,8 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
         step.ahead.reset();
         for (const Cut& cut : cuts_to_try(from, options.doubt)) {
             if (!tried.insert(parts_of(from.attempt.model, cut)).second) continue;
-            const auto done = offer(step, solve(taken_apart(problem, from, cut)), problem, options);
+            const auto done = offer(step, solve(taken_apart(problem, from, cut, options.doubt)),
+                                    problem, options);
             if (!done.ok()) return done.error();
         }
         // The way to a better model may lead over one that is only a little better.
@@ -231,7 +235,7 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
             break;
     }
     if (problem.settle && step.best.score != asked) {
-        ClusterProblem settling = without_denied(problem, step.best.attempt.model);
+        ClusterProblem settling = without_denied(problem, step.best.attempt.model, options.doubt);
         settling.recycled = {std::make_shared<const Reconstruction>(step.best.attempt.model)};
         settling.recycled_state = step.best.attempt.state;
         auto settled = solve(settling);

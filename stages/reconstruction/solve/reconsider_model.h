@@ -12,7 +12,8 @@ namespace psfm {
 
 /// A cluster whose model was chosen so, without the edges that it denies: what is solved on from it
 /// is not led back by these. Nothing: all of them count.
-std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem);
+std::optional<ClusterProblem> as_reconsidered(const ClusterProblem& problem,
+                                              const DoubtOptions& options);
 
 /// Looks for a better model of a cluster whose model is doubted: where pairs of its images
 /// contradict it (missing_regions.h), it denies one of their strongest edges, or it shows several

@@ -178,7 +178,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
             return attempt_solve(tied, options, cancel);
         });
     };
-    const auto reconsidered = as_reconsidered(problem);
+    const auto reconsidered = as_reconsidered(problem, options.doubt);
     auto attempt = solve_once(reconsidered ? *reconsidered : problem);  // 1 to 6
     if (attempt.ok() && problem.concluding)
         attempt = reconsider_model(problem, *std::move(attempt), options, solve_once);  // 7

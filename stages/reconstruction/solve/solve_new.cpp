@@ -59,11 +59,10 @@ Result<void> take_if_larger(SolveDraft& draft, const SolveContext& context, Solv
 /// From the best pair.
 Result<SolveAttempt> solve_incrementally(const SolveContext& context,
                                          const CorrespondenceGraph& matches) {
-    constexpr int kStarts = 3;  // Tunable: ours, without a figure
     const std::size_t members = context.problem.images.size();
     SolveAttempt best;
     std::vector<bool> used(members, false);
-    for (int start = 0; start < kStarts; ++start) {
+    for (std::uint32_t start = 0; start < context.options.initialization.max_starts; ++start) {
         SolveDraft draft = make_draft(context, matches);
         const auto seed = initialize_model(draft.model, context.graph, used, context.options);
         if (!seed.ok()) break;  // Expected: no further pair starts a model

@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-/// Tunable: two views hardly determine focal lengths.
+/// Guard: fewer views hardly determine focal lengths.
 constexpr std::size_t kImagesToJudge = 4;
 
 bool shows_places(const SolveAttempt& attempt) {

@@ -80,7 +80,7 @@ TEST(AssignCameraTest, DigitalZoomIsAnotherCamera) {
 TEST(AssignCameraTest, AVagueFocalLengthIsAGuess) {
     PhotoMetadata cropped = phone();
     cropped.focal_is_vague = true;
-    const Camera guess = initial_camera(cropped);
+    const Camera guess = initial_camera(cropped, 1.2);
     EXPECT_EQ(guess.focal_source, FocalSource::kUnknown);
     EXPECT_EQ(guess.fx(), 728.0);
 }
@@ -143,14 +143,14 @@ TEST(AssignCameraTest, SeparatorsInNamesDoNotCollide) {
 }
 
 TEST(AssignCameraTest, InitialCamera) {
-    const Camera known = initial_camera(phone());
+    const Camera known = initial_camera(phone(), 1.2);
     EXPECT_EQ(known.model, CameraModel::kSimpleRadial);
     EXPECT_EQ(known.focal_source, FocalSource::kExif);
     EXPECT_EQ(known.fx(), 728.0);
     EXPECT_EQ(known.principal_point(), Eigen::Vector2d(450.0, 337.5));
     PhotoMetadata unknown = phone();
     unknown.focal_px.reset();
-    const Camera guess = initial_camera(unknown);
+    const Camera guess = initial_camera(unknown, 1.2);
     EXPECT_EQ(guess.focal_source, FocalSource::kUnknown);
     EXPECT_DOUBLE_EQ(guess.fx(), 1.2 * 900.0);
 }
@@ -159,7 +159,7 @@ TEST(AssignCameraTest, AssignsIdsInOrder) {
     std::map<std::string, CameraId> known;
     const auto add = [&](const PhotoMetadata& metadata, const char* name) {
         const CameraAssignment assignment = assign_camera(
-            CameraSharing::kAuto, metadata, name, known, static_cast<CameraId>(known.size()));
+            CameraSharing::kAuto, metadata, name, known, static_cast<CameraId>(known.size()), 1.2);
         EXPECT_EQ(assignment.added.has_value(), !known.contains(assignment.key));
         known.emplace(assignment.key, assignment.camera);
         return index_of(assignment.camera);

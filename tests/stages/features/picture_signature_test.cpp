@@ -54,20 +54,21 @@ cv::Mat reduced(const cv::Mat& large, int width, int height) {
 TEST(PictureSignatureTest, TellsSmallCopies) {
     const cv::Mat large = picture(640, 480, 1);
     const Seen original = look_at(large);
-    EXPECT_TRUE(is_reduced_copy(look_at(reduced(large, 160, 120)).glance, original.glance));
-    EXPECT_TRUE(is_reduced_copy(look_at(reduced(large, 500, 375)).glance, original.glance));
-    EXPECT_FALSE(is_reduced_copy(original.glance, original.glance));
-    EXPECT_FALSE(is_reduced_copy(original.glance, look_at(reduced(large, 160, 120)).glance));
-    EXPECT_FALSE(is_reduced_copy(look_at(reduced(large, 160, 160)).glance, original.glance));
-    EXPECT_FALSE(is_reduced_copy(look_at(picture(160, 120, 2)).glance, original.glance));
-    EXPECT_FALSE(is_reduced_copy({160, 120, 1, {}}, original.glance)) << "nothing is known of it";
+    EXPECT_TRUE(is_reduced_copy(look_at(reduced(large, 160, 120)).glance, original.glance, {}));
+    EXPECT_TRUE(is_reduced_copy(look_at(reduced(large, 500, 375)).glance, original.glance, {}));
+    EXPECT_FALSE(is_reduced_copy(original.glance, original.glance, {}));
+    EXPECT_FALSE(is_reduced_copy(original.glance, look_at(reduced(large, 160, 120)).glance, {}));
+    EXPECT_FALSE(is_reduced_copy(look_at(reduced(large, 160, 160)).glance, original.glance, {}));
+    EXPECT_FALSE(is_reduced_copy(look_at(picture(160, 120, 2)).glance, original.glance, {}));
+    EXPECT_FALSE(is_reduced_copy({160, 120, 1, {}}, original.glance, {}))
+        << "nothing is known of it";
 }
 
 TEST(PictureSignatureTest, AnotherViewOfTheSameIsNone) {
     const cv::Mat large = picture(640, 480, 1);
     const cv::Mat shifted = large(cv::Rect(20, 0, 600, 450));
     EXPECT_FALSE(
-        is_reduced_copy(look_at(reduced(shifted, 160, 120)).glance, look_at(large).glance));
+        is_reduced_copy(look_at(reduced(shifted, 160, 120)).glance, look_at(large).glance, {}));
 }
 
 TEST(PictureSignatureTest, ASkyAboveAPlainIsAlikeInManyPhotographs) {
@@ -89,16 +90,17 @@ TEST(PictureSignatureTest, TurnedOnesAreTheSame) {
     cv::Mat upright;
     cv::rotate(stored, upright, cv::ROTATE_90_CLOCKWISE);
     EXPECT_TRUE(
-        is_reduced_copy(look_at(reduced(upright, 120, 160)).glance, look_at(stored, 6).glance));
+        is_reduced_copy(look_at(reduced(upright, 120, 160)).glance, look_at(stored, 6).glance, {}));
     EXPECT_FALSE(
-        is_reduced_copy(look_at(reduced(upright, 120, 160)).glance, look_at(stored, 8).glance));
+        is_reduced_copy(look_at(reduced(upright, 120, 160)).glance, look_at(stored, 8).glance, {}));
     EXPECT_FALSE(
-        is_reduced_copy(look_at(reduced(upright, 120, 160)).glance, look_at(stored, 1).glance));
+        is_reduced_copy(look_at(reduced(upright, 120, 160)).glance, look_at(stored, 1).glance, {}));
 }
 
 TEST(PictureSignatureTest, OfAWallNothingCanBeSaid) {
     const cv::Mat wall(480, 640, CV_8UC3, cv::Scalar(200, 210, 205));
-    EXPECT_FALSE(is_reduced_copy(look_at(reduced(wall, 160, 120)).glance, look_at(wall).glance));
+    EXPECT_FALSE(
+        is_reduced_copy(look_at(reduced(wall, 160, 120)).glance, look_at(wall).glance, {}));
 }
 
 TEST(SmallCopiesTest, ComeLast) {
@@ -112,7 +114,7 @@ TEST(SmallCopiesTest, ComeLast) {
     folder.write("Small/img_2.png", encode(reduced(a, 160, 120), ".png"));  // is no copy of b
     folder.write("img_2.jpg", encode(b, ".jpg"));
     auto photos = list_photos(folder.path())->photos;
-    put_small_copies_last(photos);
+    put_small_copies_last(photos, {});
     std::vector<std::string> names;
     for (const PhotoFile& photo : photos) names.push_back(photo.name);
     EXPECT_THAT(names, ElementsAre("IMG_1.jpg", "IMG_10.jpg", "Small/img_2.png", "img_2.jpg",

@@ -115,12 +115,12 @@ TEST(StillCoverage, TellsAPlaceFromEverywhere) {
     TwoViews logo = no_views();
     add_still(logo, kLogo, 100, 5);
     add_features(logo, 2000, 6);
-    EXPECT_LT(still_coverage(logo.matched(), find_still(logo.matched(), {})), 0.25);
+    EXPECT_LT(still_coverage(logo.matched(), find_still(logo.matched(), {}), {}), 0.25);
     TwoViews tripod = no_views();
     add_still(tripod, kEverywhere, 300, 5);
     add_features(tripod, 2000, 6);
-    EXPECT_GT(still_coverage(tripod.matched(), find_still(tripod.matched(), {})), 0.9);
-    EXPECT_EQ(still_coverage(no_views().matched(), {}), 0.0);
+    EXPECT_GT(still_coverage(tripod.matched(), find_still(tripod.matched(), {}), {}), 0.9);
+    EXPECT_EQ(still_coverage(no_views().matched(), {}, {}), 0.0);
 }
 
 TEST(VerifyPairStill, TheSceneIsWhatMovesHoweverMuchDoesNot) {

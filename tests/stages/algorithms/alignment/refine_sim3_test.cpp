@@ -79,13 +79,13 @@ TEST(RefineSim3, FindsTheSimilarityOfExactPoints) {
     const TwoModels models(0.0);
     const Sim3 start = slightly_off(models.b_from_a);
     ASSERT_GT(test::difference(start, models.b_from_a), 1e-4);
-    const Sim3 refined = refine_sim3(models.edges, start, kMaxError);
+    const Sim3 refined = refine_sim3(models.edges, start, {.max_error = kMaxError});
     EXPECT_LT(test::difference(refined, models.b_from_a), 1e-9);
 }
 
 TEST(RefineSim3, NoStepInAnyDirectionIsBetter) {
     const TwoModels models(1e-3);
-    const Sim3 refined = refine_sim3(models.edges, models.b_from_a, kMaxError);
+    const Sim3 refined = refine_sim3(models.edges, models.b_from_a, {.max_error = kMaxError});
     const double least = models.cost(refined);
     EXPECT_LT(least, models.cost(models.b_from_a));
     for (int direction = 0; direction < 7; ++direction) {
@@ -114,7 +114,8 @@ TEST(RefineSim3, PointsThatDisagreeHaveNoSay) {
         for (std::size_t p = 0; p < edge.points.size(); p += 4)
             edge.points[p].in_b += Eigen::Vector3d(3.0, 1.0, 0.0);
     }
-    const Sim3 refined = refine_sim3(models.edges, slightly_off(models.b_from_a), kMaxError);
+    const Sim3 refined =
+        refine_sim3(models.edges, slightly_off(models.b_from_a), {.max_error = kMaxError});
     EXPECT_LT(test::difference(refined, models.b_from_a), 1e-9);
 }
 
@@ -123,7 +124,8 @@ TEST(RefineSim3, TooFewPointsLeaveTheStart) {
     models.edges.resize(1);
     models.edges.front().points.resize(2);
     const Sim3 start = slightly_off(models.b_from_a);
-    EXPECT_EQ(test::difference(refine_sim3(models.edges, start, kMaxError), start), 0.0);
+    EXPECT_EQ(test::difference(refine_sim3(models.edges, start, {.max_error = kMaxError}), start),
+              0.0);
 }
 
 }  // namespace

@@ -40,9 +40,10 @@ TEST(KeepFrame, FindsTheFormerFrame) {
     synthetic::Rng rng(1);
     const Sim3 truth = synthetic::random_gauge(1);
     const Cameras cameras = cameras_at(spread(30, rng), truth, rng);
-    EXPECT_LT(
-        test::difference(world_from_component(cameras.images, cameras.published, {}, {}), truth),
-        1e-8);
+    EXPECT_LT(test::difference(world_from_component(cameras.images, cameras.published, {}, {},
+                                                    MergeOptions{}.max_stayed_move),
+                               truth),
+              1e-8);
 }
 
 TEST(KeepFrame, FollowsTheMajority) {
@@ -54,7 +55,8 @@ TEST(KeepFrame, FollowsTheMajority) {
         Rigid3& pose = cameras.published[static_cast<ImageId>(k)];
         pose = transform_pose(pose, elsewhere);
     }
-    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {});
+    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {},
+                                            MergeOptions{}.max_stayed_move);
     EXPECT_LT(test::difference(found, truth), 1e-3);
 }
 
@@ -71,7 +73,8 @@ TEST(KeepFrame, FollowsTheMajorityOfThousands) {
         Rigid3& pose = cameras.published[static_cast<ImageId>(k)];
         pose = transform_pose(pose, elsewhere);
     }
-    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {});
+    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {},
+                                            MergeOptions{}.max_stayed_move);
     EXPECT_LT(test::difference(found, truth), 1e-3);
 }
 
@@ -82,7 +85,8 @@ TEST(KeepFrame, NeedsNoMoreThanALineOrTwoCameras) {
          {std::vector<Eigen::Vector3d>{{0, 0, 0}, {1, 2, 3}, {2, 4, 6}, {5, 10, 15}},
           std::vector<Eigen::Vector3d>{{0, 0, 0}, {1, 2, 3}}}) {
         const Cameras cameras = cameras_at(centres, truth, rng);
-        const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {});
+        const Sim3 found = world_from_component(cameras.images, cameras.published, {}, {},
+                                                MergeOptions{}.max_stayed_move);
         EXPECT_LT(test::difference(found, truth), 1e-8) << centres.size();
     }
 }
@@ -93,7 +97,8 @@ TEST(KeepFrame, OneCameraGivesPlaceAndDirection) {
     const Cameras cameras = cameras_at(spread(1, rng), truth, rng);
     Sim3 fallback;
     fallback.scale = 3.0;
-    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, fallback);
+    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, fallback,
+                                            MergeOptions{}.max_stayed_move);
     EXPECT_EQ(found.scale, 3.0);
     const Rigid3 moved = transform_pose(cameras.images[0].cam_from_component, found);
     const Rigid3& before = cameras.published.at(ImageId{0});
@@ -106,7 +111,8 @@ TEST(KeepFrame, WithoutHistoryTheFallbackStands) {
     Cameras cameras = cameras_at(spread(5, rng), {}, rng);
     cameras.published.clear();
     const Sim3 fallback = synthetic::random_gauge(6);
-    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, fallback);
+    const Sim3 found = world_from_component(cameras.images, cameras.published, {}, fallback,
+                                            MergeOptions{}.max_stayed_move);
     EXPECT_EQ(found.scale, fallback.scale);
     EXPECT_EQ(found.translation, fallback.translation);
 }
@@ -115,8 +121,8 @@ TEST(KeepFrame, AnUnmovedCandidateStandsToTheBit) {
     synthetic::Rng rng(7);
     const Sim3 truth = synthetic::random_gauge(7);
     const Cameras cameras = cameras_at(spread(20, rng), truth, rng);
-    const Sim3 found =
-        world_from_component(cameras.images, cameras.published, std::vector{truth}, {});
+    const Sim3 found = world_from_component(cameras.images, cameras.published, std::vector{truth},
+                                            {}, MergeOptions{}.max_stayed_move);
     EXPECT_EQ(found.translation, truth.translation);
     EXPECT_EQ(found.scale, truth.scale);
 }

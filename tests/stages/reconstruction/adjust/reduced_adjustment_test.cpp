@@ -101,7 +101,7 @@ TEST(AdjustReduced, APathLeavesTilesEmptyAndEndsWhereCeresEnds) {
 TEST(AdjustReduced, PartOfAModelIsAdjustedLikewise) {
     const DisturbedRing ours, ceres;
     const std::uint32_t image = 3;
-    AdjustmentScope scope = local_scope(*ours.model, std::span(&image, 1), 5, true);
+    AdjustmentScope scope = local_scope(*ours.model, std::span(&image, 1), 5, 15, true);
     ASSERT_LT(scope.free_images.size(), ours.model->image_count());
     ASSERT_TRUE(adjust(*ours.model, scope, precise(true)).ok());
     ASSERT_TRUE(adjust(*ceres.model, scope, precise(false)).ok());

@@ -80,24 +80,24 @@ TEST(ModelScore, LessMissingOutweighsMoreExplained) {
         .images = 20, .observations = 1000, .regions = 500, .missing = 60, .contradicting = 8};
     ModelScore right{
         .images = 20, .observations = 950, .regions = 400, .missing = 2, .contradicting = 0};
-    EXPECT_TRUE(is_better(right, folded));
-    EXPECT_FALSE(is_better(folded, right));
+    EXPECT_TRUE(is_better(right, folded, {}));
+    EXPECT_FALSE(is_better(folded, right, {}));
     right.observations = 500;
-    EXPECT_FALSE(is_better(right, folded)) << "it has come apart";
+    EXPECT_FALSE(is_better(right, folded, {})) << "it has come apart";
     right.observations = 950;
     right.images = 19;
-    EXPECT_FALSE(is_better(right, folded)) << "an image is lost";
+    EXPECT_FALSE(is_better(right, folded, {})) << "an image is lost";
 }
 
 TEST(ModelScore, WhereTheSameIsMissingTheOneThatExplainsMoreIsBetter) {
     const ModelScore one{
         .images = 20, .observations = 1000, .regions = 500, .missing = 6, .contradicting = 0};
     ModelScore other = one;
-    EXPECT_FALSE(is_better(other, one));
+    EXPECT_FALSE(is_better(other, one, {}));
     other.observations = 1100;
     other.missing = 14;
-    EXPECT_TRUE(is_better(other, one));
-    EXPECT_FALSE(is_better(one, other));
+    EXPECT_TRUE(is_better(other, one, {}));
+    EXPECT_FALSE(is_better(one, other, {}));
 }
 
 }  // namespace

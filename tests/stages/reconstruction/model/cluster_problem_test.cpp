@@ -61,8 +61,9 @@ TEST(PairsOf, AreTheEdgesWithBothEndsInTheCluster) {
 
 TEST(PairsOf, ImagesOfOtherClustersChangeNoSurroundings) {
     const ClusterProblem problem = part_of_wall();
-    const auto with = surroundings_of_new_images(problem);
-    const auto without = surroundings_of_new_images(alone(problem));
+    const auto with = surroundings_of_new_images(problem, SolveOptions{}.max_surroundings);
+    const auto without =
+        surroundings_of_new_images(alone(problem), SolveOptions{}.max_surroundings);
     ASSERT_TRUE(with && without);
     EXPECT_EQ(with->is_inside, without->is_inside);
     EXPECT_TRUE(std::ranges::equal(with->problem.images, without->problem.images, {},

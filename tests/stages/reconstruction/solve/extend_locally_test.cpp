@@ -65,7 +65,7 @@ bool sees(const ScenePoint& point, ImageId image) {
 TEST(Surroundings, HoldAllThatNeighboursSee) {
     const SyntheticScene scene = noisy_wall(1);
     const ClusterProblem problem = problem_without(scene, {kNew});
-    const auto surroundings = surroundings_of_new_images(problem);
+    const auto surroundings = surroundings_of_new_images(problem, SolveOptions{}.max_surroundings);
     ASSERT_TRUE(surroundings);
     const ClusterProblem& part = surroundings->problem;
     const Reconstruction& whole = *problem.recycled.front();
@@ -104,8 +104,11 @@ TEST(Surroundings, ThatAreMostOfTheModelAreNone) {
     const SyntheticScene scene = noisy_wall(1);
     std::vector<ImageId> every_fourth;
     for (std::uint32_t i = 0; i < kImages; i += 4) every_fourth.push_back(ImageId{i});
-    EXPECT_FALSE(surroundings_of_new_images(problem_without(scene, every_fourth)));
-    EXPECT_FALSE(surroundings_of_new_images(problem_without(scene, {}))) << "nothing is new";
+    EXPECT_FALSE(surroundings_of_new_images(problem_without(scene, every_fourth),
+                                            SolveOptions{}.max_surroundings));
+    EXPECT_FALSE(
+        surroundings_of_new_images(problem_without(scene, {}), SolveOptions{}.max_surroundings))
+        << "nothing is new";
 }
 
 TEST(ExtendLocally, AddsAnImageAsASolveOfAllWould) {
