@@ -3,6 +3,7 @@
 #include "scheduler/session/option_table.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <vector>
 
@@ -23,6 +24,10 @@ const std::vector<NamedOption>& table() {
     }();
     return kTable;
 }
+
+/// Options that are no more, in sessions of earlier programs: what they were is another one now.
+/// - solve.policy.places.whole_up_to: affordable_up_to, whose default it had.
+constexpr std::array kRetired{std::string_view("solve.policy.places.whole_up_to")};
 
 const NamedOption* find(std::string_view name) {
     const auto found = std::ranges::lower_bound(table(), name, {}, &NamedOption::name);
@@ -68,6 +73,7 @@ std::map<std::string, double> option_values(const StageOptions& options) {
 Result<void> set_options(StageOptions& options, const std::map<std::string, double>& values) {
     for (const auto& [name, value] : values) {
         const NamedOption* option = find(name);
+        if (option == nullptr && std::ranges::find(kRetired, name) != kRetired.end()) continue;
         if (option == nullptr) return unknown(name);
         if (!(value >= option->low && value <= option->high)) {
             return Error{ErrorCode::kInvalidArgument,

@@ -67,8 +67,7 @@ constexpr std::array kTable{
     PSFM_OPTION(solve.policy.converge_up_to, 1, kCount, "images up to which that goes to convergence", "ours; docs/performance.md"),
     PSFM_OPTION(solve.policy.large_from, 1, kCount, "images from which new ones are added by what they can change", "ours; docs/performance.md"),
     PSFM_OPTION(solve.policy.new_start.again_when_grown_by, 0, 100, "growth after which a model that leaves much out is compared with a new one", "not tuned"),
-    PSFM_OPTION(solve.policy.places.again_when_grown_by, 0, 100, "growth after which a model is asked for places again", "ours; docs/look-alikes.md"),
-    PSFM_OPTION(solve.policy.places.whole_up_to, 0, kCount, "images up to which it is asked each time", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.policy.places.again_when_grown_by, 0, 100, "growth after which a model of more than affordable_up_to is asked for places again", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.policy.rotations.again_when_grown_by, 0, 100, "growth after which a contradiction that was kept is asked again", "not tuned"),
     PSFM_OPTION(solve.policy.ties.again_when_grown_by, 0, 100, "growth after which it is asked which cameras may be one", "not tuned"),
 

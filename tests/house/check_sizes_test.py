@@ -44,7 +44,7 @@ class CheckSizes(unittest.TestCase):
     def test_too_many_are_refused(self):
         code, lines = self.run_check("if (images > options.adjust_up_to) f();\n")
         self.assertEqual(code, 0, lines)
-        code, lines = self.run_check(*["if (images > options.adjust_up_to) f();\n"] * 14)
+        code, lines = self.run_check(*["if (images > options.adjust_up_to) f();\n"] * 13)
         self.assertEqual(code, 1, lines)
 
 

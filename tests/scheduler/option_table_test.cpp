@@ -88,6 +88,14 @@ TEST(OptionTable, ASessionGoesOnWithTheOptionsThatItStored) {
     EXPECT_EQ(stage_options(*back)->clustering.eta, 0.4);
 }
 
+TEST(OptionTable, ASessionMayHaveStoredAnOptionThatIsNoMore) {
+    SessionConfig config;
+    config.options = option_values(*stage_options(config));
+    config.options["solve.policy.places.whole_up_to"] = 1000.0;
+    EXPECT_TRUE(stage_options(config).ok());
+    EXPECT_FALSE(parse_setting("solve.policy.places.whole_up_to=1000").ok()) << "not any more";
+}
+
 TEST(OptionTable, SessionsFromBeforeGoOnAsTheyBegan) {
     auto settings = nlohmann::json::parse(encode_config(SessionConfig{}));
     settings.erase("options");

@@ -22,8 +22,9 @@ DueQuestions due_questions(const ClusterProblem& problem, const SolveState& stat
                           policy.full_adjustment.is_due(placed, state.images_at_full_adjustment);
     due.rotations = (problem.settle && state.new_start_is_due) ||
                     policy.rotations.is_due(placed, state.images_at_contradiction);
-    due.places = problem.settle || policy.places.is_due(placed, state.images_at_places);
-    due.loops = policy.scope_of(placed) == SolveScope::kJoint;
+    due.places = problem.settle || policy.is_affordable(placed) ||
+                 policy.places.is_due(placed, state.images_at_places);
+    due.loops = !policy.is_affordable(placed);
     due.new_start = new_start.is_due(members, state.images_at_start);
     due.ties = problem.settle || policy.ties.is_due(placed, state.images_at_ties);
     due.worth = problem.settle || !policy.is_large(placed);

@@ -11,19 +11,16 @@
 
 namespace psfm {
 
-/// When an expensive question about something that grows is asked: each time while it is small, and
-/// from then on again when it has grown by a part since it was last asked, or shrunk by as much: it
-/// is another one then.
+/// When an expensive question about something that grows is asked again: when it has grown by a
+/// part since it was last asked, or shrunk by as much: it is another one then.
 struct Schedule {
-    std::uint32_t whole_up_to = 0;
     double again_when_grown_by = 0.0;
 
     /// @param asked_with  its size when it was last asked; 0: never
     bool is_due(std::size_t size, std::size_t asked_with) const {
         const double changed =
             std::abs(static_cast<double>(size) - static_cast<double>(asked_with));
-        return size <= whole_up_to ||
-               changed > again_when_grown_by * static_cast<double>(asked_with);
+        return changed > again_when_grown_by * static_cast<double>(asked_with);
     }
     bool operator==(const Schedule&) const = default;
 };
@@ -69,29 +66,33 @@ struct SolvePolicy {
     /// Raised: slower, models bent by less while images stream in. Ours (docs/performance.md).
     std::uint32_t converge_up_to = 500;
     /// What may be asked or adjusted as a whole whenever a model has grown: larger ones are
-    /// adjusted where they have grown or were joined, all of them only when they settle; a new
-    /// start of theirs waits until then where hardly an edge contradicts; and since they drift,
-    /// they are asked for open loops. Raised: slower, drift spreads over the whole model sooner;
-    /// the paper adjusts all, whatever the size. Ours.
+    /// adjusted where they have grown or were joined, all of them only when they settle; they are
+    /// asked for places by the schedule below; a new start of theirs waits until they settle where
+    /// hardly an edge contradicts; and since they drift, they are asked for open loops. Raised:
+    /// slower, drift spreads over the whole model sooner; the paper adjusts all, whatever the size.
+    /// Ours.
     std::uint32_t affordable_up_to = 1000;
     /// All of the model is adjusted when it has grown by this part. Lower: slower, more accurate in
     /// between. Paper: eta_grow = 0.15.
-    Schedule full_adjustment{0, 0.15};
+    Schedule full_adjustment{0.15};
     /// A model that contradicts the averaged rotations, and was kept, is asked again (ours: else an
     /// ambiguous cluster would be solved new with every image).
-    Schedule rotations{0, 0.25};
+    Schedule rotations{0.25};
     /// A cluster much of which its model leaves out is solved new once more. Ours.
-    Schedule new_start{0, 0.25};
-    /// A model is asked whether it shows several places (separate_places). Ours.
-    Schedule places{1000, 0.01};
+    Schedule new_start{0.25};
+    /// A model that is not affordable is asked whether it shows several places (separate_places).
+    /// Ours.
+    Schedule places{0.01};
     /// And which cameras may be one (judge_ties). Raised: mixed zoom is found later; lowered:
     /// slower. Ours.
-    Schedule ties{0, 0.5};
+    Schedule ties{0.5};
 
     /// Whether so many images are enough for a model.
     bool makes_model(std::size_t images) const { return psfm::makes_model(images, mu_min); }
+    /// Whether it may be asked and adjusted as a whole whenever it has grown.
+    bool is_affordable(std::size_t placed) const { return placed <= affordable_up_to; }
     SolveScope scope_of(std::size_t placed) const {
-        return placed > affordable_up_to ? SolveScope::kJoint : SolveScope::kAll;
+        return is_affordable(placed) ? SolveScope::kAll : SolveScope::kJoint;
     }
     SolveEffort effort_of(std::size_t placed) const {
         return placed > converge_up_to ? SolveEffort::kRough : SolveEffort::kConverged;

@@ -336,7 +336,7 @@ TEST(ExtendLocally, AsksALargeModelOfPlacesOnlyWhenItHasChanged) {
     const auto asks = [&](std::uint32_t asked_with, std::uint32_t at_once_up_to) {
         problem.recycled_state.images_at_places = asked_with;
         SolveOptions options = locally_from(20);
-        options.policy.places.whole_up_to = at_once_up_to;
+        options.policy.affordable_up_to = at_once_up_to;
         options.policy.places.again_when_grown_by = 0.1;
         const auto attempt = extended(problem, options);
         EXPECT_TRUE(attempt && attempt->state.has_strangers) << "not forgotten before it is asked";
@@ -358,7 +358,7 @@ TEST(ExtendLocally, AsksALargeModelOfPlacesOnlyWhenItHasChanged) {
 TEST(ExtendLocally, RemembersStrangersBesideALargeModelsNewImage) {
     const SyntheticScene folded = two_streets(kImages, 0.4, 7);
     SolveOptions options = locally_from(20);
-    options.policy.places.whole_up_to = 10;
+    options.policy.affordable_up_to = 10;
     std::uint32_t extensions = 0;
     std::uint32_t strangers = 0;
     for (std::uint32_t i = 0; i < kImages; ++i) {

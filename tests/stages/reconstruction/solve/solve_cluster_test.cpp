@@ -215,7 +215,8 @@ TEST(SolveCluster, AsksALargeModelThatHardlyChangedOnlyLaterOrWhenItSettles) {
         synthetic::true_reconstruction(scene, synthetic::random_gauge(5), kept))};
     problem.recycled_state = {.images_at_full_adjustment = kImages, .images_at_start = kImages};
     SolveOptions options;
-    options.policy.places.whole_up_to = 20;
+    options.policy.affordable_up_to = 20;
+    options.loops.min_open_edges = 0;
     options.policy.places.again_when_grown_by = 0.1;
     const auto solve = [&](std::uint32_t asked_with) {
         problem.recycled_state.images_at_places = asked_with;
@@ -230,9 +231,9 @@ TEST(SolveCluster, AsksALargeModelThatHardlyChangedOnlyLaterOrWhenItSettles) {
     EXPECT_EQ(later.state.images_at_places, kImages - 1);
     EXPECT_EQ(solve(kImages / 2).places.size(), 2U) << "it has changed";
     EXPECT_EQ(solve(0).places.size(), 2U) << "never asked";
-    options.policy.places.whole_up_to = kImages;
+    options.policy.affordable_up_to = kImages;
     EXPECT_EQ(solve(kImages - 1).places.size(), 2U) << "a small model";
-    options.policy.places.whole_up_to = 20;
+    options.policy.affordable_up_to = 20;
     problem.settle = true;
     EXPECT_EQ(solve(kImages - 1).places.size(), 2U) << "it settles";
 }
