@@ -8,6 +8,7 @@
 
 #include "graph/sorted_unique.h"
 #include "scheduler/flow/make_problems.h"
+#include "scheduler/flow/version_due.h"
 #include "scheduler/report/event_log.h"
 #include "scheduler/session/known_files.h"
 #include "scheduler/session/remove_images.h"
@@ -243,9 +244,16 @@ Result<void> Committer::advance(CommitOutput& output) {
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
         if (const auto concluded = conclude(output); !concluded.ok()) return concluded.error();
     }
-    const bool quiet = all_verified && !state_.clusters.busy();
-    const bool due = changed_ && !merging_ && !hold && time_for_version(quiet);
-    if (due) {
+    const VersionMoment moment{.changed = changed_,
+                               .merging = merging_,
+                               .held = hold,
+                               .deterministic = config_.deterministic,
+                               .busy = state_.clusters.busy(),
+                               .all_verified = all_verified,
+                               .more_to_come = more_to_come(),
+                               .now = Clock::now(),
+                               .not_before = next_version_};
+    if (version_is_due(moment)) {
         changed_ = false;
         merging_ = true;
         auto merge = problem_of_merge();
@@ -267,11 +275,6 @@ Result<void> Committer::advance(CommitOutput& output) {
         if (!output.publish->scene) output.publish->counts = state_.counts;
     }
     return {};
-}
-
-bool Committer::time_for_version(bool quiet) const {
-    if (config_.deterministic) return !state_.clusters.busy();
-    return (quiet && !more_to_come()) || Clock::now() >= next_version_;
 }
 
 bool Committer::more_to_come() const {

@@ -143,10 +143,6 @@ class Committer {
     /// What is to settle does, as much of it as may at once. Deterministic sessions settle all from
     /// one and the same state. @errors those of the store
     Result<void> go_on_settling(CommitOutput& output);
-    /// Deterministic sessions publish when everything is solved; others as soon as there is
-    /// something new, but leave time for other work, each piece of which ends in advance().
-    /// @param quiet  there is no such work
-    bool time_for_version(bool quiet) const;
     /// Photographs are waiting, and may come in: so a quiet moment is short.
     bool more_to_come() const;
     /// Images that have their place in a merged model move to the clusters that will place them.

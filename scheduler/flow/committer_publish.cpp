@@ -62,10 +62,7 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         {state_.counts, waiting_images(state_), state_.past_events, weak_models(state_)});
     if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok())
         return done.error();
-    state_.constraints = merged.constraints;
-    state_.constraints.insert(state_.constraints.end(), merged.set_aside.begin(),
-                              merged.set_aside.end());
-    state_.known_poses = merged.known_poses;
+    state_.merges.remember(merged);
     state_.scene = scene;
     PublishMessage publish;
     publish.scene = scene;

@@ -149,9 +149,9 @@ std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
         problem->clusters.push_back({id, entry.revision, entry.model, entry.cameras});
-    problem->pairs = state.between.update(state.clusters, state.view_graph);
-    problem->known = state.constraints;
-    problem->known_poses = state.known_poses;
+    problem->pairs = state.merges.between.update(state.clusters, state.view_graph);
+    problem->known = state.merges.constraints;
+    problem->known_poses = state.merges.known_poses;
     problem->previous = state.scene;
     const auto is_located = [](const Image& image) { return image.metadata.gps.has_value(); };
     // Orientations alone say nothing.

@@ -18,13 +18,12 @@
 #include "graph/scene.h"
 #include "graph/view_graph.h"
 #include "scheduler/session/cluster_table.h"
-#include "scheduler/session/edges_between_clusters.h"
+#include "scheduler/session/merge_memory.h"
 #include "scheduler/session/messages.h"
 #include "scheduler/session/resident_keypoints.h"
 #include "scheduler/session/resident_models.h"
 #include "scheduler/session/session_config.h"
 #include "scheduler/session/weak_model.h"
-#include "stages/algorithms/alignment/cluster_constraint.h"
 #include "stages/clustering/clustering_state.h"
 #include "stages/clustering/select_edges.h"
 #include "storage/session/session_store.h"
@@ -66,10 +65,8 @@ struct SessionState {
     EdgeSelection edges;  ///< which pairs the view graph holds
     ClusteringState clustering;
     ClusterTable clusters;
-    EdgesBetweenClusters between;                ///< as of the last version
-    ResidentModels models;                       ///< which of the clusters rest
-    std::vector<ClusterConstraint> constraints;  ///< MergeProblem::known of the next version
-    KnownPoses known_poses;                      ///< MergeProblem::known_poses of it
+    ResidentModels models;  ///< which of the clusters rest
+    MergeMemory merges;
     ScenePtr scene = std::make_shared<const Scene>();
     SessionCounts counts;
     /// The last joins, splits, transfers and resets, oldest first; at most kPastEvents.
