@@ -13,6 +13,8 @@
 
 #include "graph/result.h"
 #include "scheduler/flow/admission.h"
+#include "scheduler/flow/intake.h"
+#include "scheduler/flow/outbox.h"
 #include "scheduler/session/messages.h"
 #include "scheduler/session/session_config.h"
 #include "scheduler/session/session_state.h"
@@ -37,6 +39,8 @@ class Committer {
   public:
     Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
               SessionState state);
+    Committer(const Committer&) = delete;
+    Committer& operator=(const Committer&) = delete;
 
     /// @errors those of the store: the session cannot go on, and everything acknowledged is safe.
     /// After an error every further message is ignored.
@@ -75,24 +79,6 @@ class Committer {
     Result<bool> take_solution(const SolvedMessage& message);
     /// The contrary: its cluster is solved again, from what the store has.
     void give_up(const SolvedMessage& message);
-    /// Turns a photograph down. @param hash  of its content; 0: not known
-    /// @param stamp  looked at again when it differs from that; nothing: in any case
-    Result<void> reject(const ExtractedMessage& message, const std::string& reason,
-                        std::uint64_t hash, const std::optional<FileStamp>& stamp);
-    /// A file that has the name of an image of the session.
-    void pass_over(const ExtractedMessage& message);
-    /// A file with the content of an image: the image's name follows where its own file is gone,
-    /// else it is a copy, and rejected. @errors those of the store
-    Result<void> meet_twin(const ExtractedMessage& message, ImageId twin);
-    /// That a photograph is a small copy of an image, in words; empty: it is of none.
-    std::string small_copy_of_known(const std::string& name, const ExtractedPhoto& photo) const;
-    /// Tells of images that are small copies of a new one.
-    void tell_of_small_copies(ImageId image);
-    /// The camera of a new image, made if it is the first of its kind. @return nothing where the
-    /// camera given for it has another size
-    std::optional<CameraId> camera_of(const Image& image);
-    /// Of a photograph, to those who watch; not kept for `status`. @param kind  kRejected, kRemark
-    void tell_of_photo(SessionEvent::Kind kind, const std::string& name, const std::string& text);
     /// Keeps images apart that a model shows beside each other and that are of different places,
     /// and takes that back where a model says otherwise. @return what is to be stored for that
     /// @errors those of the store
@@ -158,10 +144,9 @@ class Committer {
     SessionConfig config_;
     StageOptions options_;
     SessionState state_;
-    std::vector<SessionEvent> events_;  // since the last publication
+    Outbox outbox_;
+    Intake intake_;
     const Admission* image_tokens_ = nullptr;
-    std::uint32_t photos_released_ = 0;
-    std::uint32_t images_released_ = 0;
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
     std::optional<std::uint64_t> photos_expected_;     // known once no photograph will follow

@@ -129,7 +129,7 @@ void Committer::report_published(const MergeProblem& problem, double merge_ms,
         pending.published = true;
         pending.report.merge_ms = merge_ms;
         pending.report.latency_ms = milliseconds_since(pending.arrival);
-        if (pending.admitted) ++images_released_;
+        if (pending.admitted) ++outbox_.images_released;
     }
     // Reports leave in order of arrival: one that is ready waits for those before it.
     while (!state_.pending.empty() && state_.pending.begin()->second.published) {

@@ -29,7 +29,7 @@ void Committer::begin_settling() {
     for (const ClusterEntry* entry : state_.clusters.take_unsettled())
         models.push_back({entry->id, state_.clusters.images_of(*entry).size()});
     if (models.empty()) return;
-    events_.push_back(describe_settling(models));
+    outbox_.events.push_back(describe_settling(models));
     // One that begins last is waited for by all.
     std::ranges::stable_sort(models, std::ranges::greater(), &SettlingModel::images);
     for (const SettlingModel& model : models) to_settle_.push_back(model.cluster);

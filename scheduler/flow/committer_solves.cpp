@@ -76,8 +76,9 @@ Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*
 void Committer::give_up(const SolvedMessage& message) {
     state_.clusters.give_up(message.problem->cluster);
     if (!message.solution->ok()) return;
-    events_.push_back(describe_solve(*message.problem, *message.solution, message.solution->value(),
-                                     /*published=*/false));
+    outbox_.events.push_back(describe_solve(*message.problem, *message.solution,
+                                            message.solution->value(),
+                                            /*published=*/false));
 }
 
 Result<bool> Committer::take_solution(const SolvedMessage& message) {
@@ -125,7 +126,7 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
         tell(*std::move(cameras));
     const ClusterEntry* entry =
         state_.clusters.finish(*message.problem, solution, message.solution->ok());
-    events_.push_back(
+    outbox_.events.push_back(
         describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;
     if (entry == nullptr) {

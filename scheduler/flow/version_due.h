@@ -15,8 +15,8 @@ struct VersionMoment {
     bool busy = false;           ///< a cluster is dirty or being solved
     bool all_verified = false;   ///< no acknowledged image waits for its pairs
     bool more_to_come = false;   ///< photographs are waiting, and may come in
-    Clock::time_point now;
-    Clock::time_point not_before;  ///< while there is other work: see rest_per_merge
+    Clock::time_point now = {};
+    Clock::time_point not_before = {};  ///< while there is other work: see rest_per_merge
 };
 
 /// Deterministic sessions publish when everything is solved; others as soon as there is something

@@ -17,10 +17,7 @@ const Clock::time_point kNow = Clock::time_point{} + seconds(100);
 
 /// Something has changed, nothing else is to be done, and the last merge was a moment ago.
 VersionMoment quiet_moment() {
-    return {.changed = true,
-            .all_verified = true,
-            .now = kNow,
-            .not_before = kNow + seconds(1)};
+    return {.changed = true, .all_verified = true, .now = kNow, .not_before = kNow + seconds(1)};
 }
 
 TEST(VersionDue, AtOnceWhereThereIsNothingElseToDo) {

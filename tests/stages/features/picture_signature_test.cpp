@@ -79,9 +79,9 @@ TEST(PictureSignatureTest, ASkyAboveAPlainIsAlikeInManyPhotographs) {
         return large;
     };
     EXPECT_TRUE(
-        is_reduced_copy(look_at(reduced(plain(1), 160, 120)).glance, look_at(plain(1)).glance));
+        is_reduced_copy(look_at(reduced(plain(1), 160, 120)).glance, look_at(plain(1)).glance, {}));
     EXPECT_FALSE(
-        is_reduced_copy(look_at(reduced(plain(2), 160, 120)).glance, look_at(plain(1)).glance));
+        is_reduced_copy(look_at(reduced(plain(2), 160, 120)).glance, look_at(plain(1)).glance, {}));
 }
 
 TEST(PictureSignatureTest, TurnedOnesAreTheSame) {

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "stages/merge/values/merge_options.h"
 #include "tests/stages/merge/cut_scene.h"
 
 namespace psfm {

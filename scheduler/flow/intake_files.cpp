@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The committer's photographs that are the same as others: moved, copied, reduced.
+// Photographs that are the same as others: moved, copied, reduced.
 #include <filesystem>
 #include <string>
+#include <utility>
 
-#include "scheduler/flow/committer.h"
+#include "scheduler/flow/intake.h"
 #include "scheduler/session/known_files.h"
 #include "stages/features/photographs/reduced_copy.h"
 
@@ -22,10 +23,10 @@ Glance glance_of(const PhotoMetadata& photo, const std::vector<std::uint8_t>& si
 
 }  // namespace
 
-Result<void> Committer::meet_twin(const ExtractedMessage& message, ImageId twin) {
+Result<AcceptedImagePtr> Intake::meet_twin(const ExtractedMessage& message, ImageId twin) {
     const std::string& name = message.file.name;
-    Image& image = state_.images[index_of(twin)];
-    ImageSource& source = state_.sources[index_of(twin)];
+    Image& image = state_->images[index_of(twin)];
+    ImageSource& source = state_->sources[index_of(twin)];
     const std::filesystem::path folder = source.file.folder;
     std::error_code unknown;
     const bool is_gone = !folder.empty() && !std::filesystem::exists(folder / image.name, unknown);
@@ -39,24 +40,24 @@ Result<void> Committer::meet_twin(const ExtractedMessage& message, ImageId twin)
     moved.image.name = name;
     moved.source.file = file_of(message.file, *message.stamp);
     if (const auto stored = store_->commit_files({moved}); !stored.ok()) return stored.error();
-    tell_of_photo(SessionEvent::Kind::kRemark, name,
-                  image.name + " was moved or renamed, and is " + name + " now");
-    state_.names.erase(image.name);
-    state_.names.insert(name);
-    state_.rejected.erase(name);
+    outbox_->tell_of_photo(SessionEvent::Kind::kRemark, name,
+                           image.name + " was moved or renamed, and is " + name + " now");
+    state_->names.erase(image.name);
+    state_->names.insert(name);
+    state_->rejected.erase(name);
     image = std::move(moved.image);
     source = std::move(moved.source);
-    ++images_released_;
-    return {};
+    ++outbox_->images_released;
+    return AcceptedImagePtr();
 }
 
-std::string Committer::small_copy_of_known(const std::string& name,
-                                           const ExtractedPhoto& photo) const {
+std::string Intake::small_copy_of_known(const std::string& name,
+                                        const ExtractedPhoto& photo) const {
     const Glance glance = glance_of(photo.metadata, photo.signature);
-    for (const Image& image : state_.images) {
-        const ImageSource& source = state_.sources[index_of(image.id)];
+    for (const Image& image : state_->images) {
+        const ImageSource& source = state_->sources[index_of(image.id)];
         if (source.removed || !is_reduced_copy(glance, glance_of(image.metadata, source.signature),
-                                               options_.features.small_copies))
+                                               options_->features.small_copies))
             continue;
         return name + " (" + size_text(photo.metadata) + ") is a small copy of " + image.name +
                " (" + size_text(image.metadata) + "), which is in the session; leave it out";
@@ -64,17 +65,17 @@ std::string Committer::small_copy_of_known(const std::string& name,
     return {};
 }
 
-void Committer::tell_of_small_copies(ImageId id) {
-    const Image& image = state_.images[index_of(id)];
-    const Glance glance = glance_of(image.metadata, state_.sources[index_of(id)].signature);
-    for (const Image& other : state_.images) {
-        const ImageSource& source = state_.sources[index_of(other.id)];
+void Intake::tell_of_small_copies(ImageId id) {
+    const Image& image = state_->images[index_of(id)];
+    const Glance glance = glance_of(image.metadata, state_->sources[index_of(id)].signature);
+    for (const Image& other : state_->images) {
+        const ImageSource& source = state_->sources[index_of(other.id)];
         if (source.removed || !is_reduced_copy(glance_of(other.metadata, source.signature), glance,
-                                               options_.features.small_copies))
+                                               options_->features.small_copies))
             continue;
-        tell_of_photo(SessionEvent::Kind::kRemark, image.name,
-                      other.name + " is a small copy of " + image.name +
-                          " and came before it; take it out with 'psfm remove'");
+        outbox_->tell_of_photo(SessionEvent::Kind::kRemark, image.name,
+                               other.name + " is a small copy of " + image.name +
+                                   " and came before it; take it out with 'psfm remove'");
     }
 }
 
