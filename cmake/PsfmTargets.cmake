@@ -15,6 +15,10 @@ add_library(psfm_flags INTERFACE)
 target_compile_features(psfm_flags INTERFACE cxx_std_20)
 target_compile_options(psfm_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror
                                             -Wno-sign-conversion -fno-math-errno)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # Wrong about std::string's operator+ (GCC PR 105651), by what else is inlined beside it.
+  target_compile_options(psfm_flags INTERFACE -Wno-restrict)
+endif()
 if(PSFM_SANITIZE)
   # -g1: functions and lines of a finding's stack, and half of what -g takes on the disk.
   target_compile_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE} -fno-omit-frame-pointer -g1)
@@ -36,6 +40,10 @@ if(PSFM_FUZZ)
   target_link_options(psfm_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# With CMAKE_UNITY_BUILD (the preset release): most of a compilation is Eigen, Ceres and OpenCV, once for so many
+# sources. The other presets compile each by itself, so that a source includes what it uses.
+set(PSFM_COMPILED_TOGETHER 24)
+
 find_program(PSFM_CCACHE ccache)
 if(PSFM_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${PSFM_CCACHE}")
@@ -46,7 +54,8 @@ function(psfm_add_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(psfm_${name} STATIC ${ARG_SOURCES})
   add_library(psfm::${name} ALIAS psfm_${name})
-  set_target_properties(psfm_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(psfm_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
+                        UNITY_BUILD_BATCH_SIZE ${PSFM_COMPILED_TOGETHER})
   target_include_directories(psfm_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                      $<INSTALL_INTERFACE:${PSFM_INSTALL_INCLUDE}>)
   target_link_libraries(psfm_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:psfm_flags>

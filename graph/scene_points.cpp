@@ -36,6 +36,11 @@ constexpr std::size_t kAllocation = 12;
 
 }  // namespace
 
+bool ScenePoint::is_seen_by(ImageId image) const {
+    const auto found = std::ranges::lower_bound(track, image, {}, &Observation::image);
+    return found != track.end() && found->image == image;
+}
+
 PointBlock::PointBlock(std::vector<ScenePoint> points)
     : points_(std::move(points)), images_(images_that_see(points_)) {
     bytes_ = points_.capacity() * sizeof(ScenePoint) + images_.capacity() * sizeof(ImageId);

@@ -27,6 +27,8 @@ struct ScenePoint {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in the cluster's frame
     float error_px = 0.F;                                ///< mean reprojection error
     std::vector<Observation> track;  ///< ascending; at least two images, each at most once
+
+    bool is_seen_by(ImageId image) const;
 };
 
 /// Some points of a model, and what is often asked of all of them. Never changed once it is made.

@@ -55,7 +55,7 @@ namespace {
 // NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
-constexpr std::array kTable{
+constexpr std::array kMergingOptions{
     PSFM_CONSTRAINT_OPTIONS(merge.constraint),
     PSFM_CONSTRAINT_OPTIONS(solve.transfer),
     PSFM_OPTION(merge.pose_graph.huber_scale, 1e-6, 1000, "residual at which the pose graph's loss turns linear", "not tuned"),
@@ -86,7 +86,7 @@ constexpr std::array kTable{
 }  // namespace
 
 std::span<const NamedOption> options_of_merging() {
-    return kTable;
+    return kMergingOptions;
 }
 
 }  // namespace psfm

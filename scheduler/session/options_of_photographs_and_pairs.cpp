@@ -8,7 +8,7 @@ namespace psfm {
 namespace {
 
 // clang-format off
-constexpr std::array kTable{
+constexpr std::array kPhotographAndPairOptions{
     PSFM_OPTION(features.film_equivalent, 0, 1, "35 mm equivalents compare diagonals (0) or longer sides (1)", "CIPA DCG-001; features_real_test"),
     PSFM_OPTION(features.read.max_file_mib, 1, kCount, "longer files are refused [MiB]", "ours: 200 megapixels of 16-bit RGB"),
     PSFM_OPTION(features.read.max_megapixels, 0.01, 1e5, "larger photographs are refused", "ours: above any camera's of 2026"),
@@ -93,7 +93,7 @@ constexpr std::array kTable{
 }  // namespace
 
 std::span<const NamedOption> options_of_photographs_and_pairs() {
-    return kTable;
+    return kPhotographAndPairOptions;
 }
 
 }  // namespace psfm

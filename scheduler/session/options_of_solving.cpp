@@ -58,7 +58,7 @@ namespace {
 // NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
-constexpr std::array kTable{
+constexpr std::array kSolvingOptions{
     PSFM_MOVED_OPTION("solve.mu_min", solve.policy.mu_min, 2, kCount, "images that a cluster needs to be reconstructed", "paper: mu_min"),
     PSFM_MOVED_OPTION("solve.mu_max", solve.policy.mu_max, 2, kCount, "images up to which a new cluster is started incrementally", "paper: mu_max"),
     PSFM_MOVED_OPTION("solve.eta_grow", solve.policy.full_adjustment.again_when_grown_by, 1e-6, 100, "growth after which all of a model is adjusted", "paper: eta_grow"),
@@ -245,7 +245,7 @@ constexpr std::array kTable{
 }  // namespace
 
 std::span<const NamedOption> options_of_solving() {
-    return kTable;
+    return kSolvingOptions;
 }
 
 }  // namespace psfm

@@ -12,10 +12,10 @@
 namespace psfm {
 namespace {
 
-/// Groups that grow together, with whether they are large enough already.
-class Groups {
+/// GrowingGroups that grow together, with whether they are large enough already.
+class GrowingGroups {
   public:
-    explicit Groups(std::uint32_t enough) : enough_(enough) {}
+    explicit GrowingGroups(std::uint32_t enough) : enough_(enough) {}
 
     std::uint32_t add(bool is_large) {
         size_.push_back(is_large ? enough_ : 1);
@@ -86,7 +86,7 @@ class Kruskal {
 
   private:
     std::span<const ImageId> images_;
-    Groups groups_;
+    GrowingGroups groups_;
     std::map<ImageId, std::uint32_t> group_of_;
 };
 

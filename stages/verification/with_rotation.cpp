@@ -18,7 +18,7 @@ namespace {
 /// matches let go of it. Length 1; the sign is that of chance.
 Eigen::Vector3d direction_for(std::span<const PointPair> points, const Eigen::Quaterniond& rotation,
                               const WithRotationOptions& options) {
-    constexpr int kRounds = 10;  // Guard: ends the reweighting
+    constexpr int kReweightings = 10;  // Guard: ends the reweighting
     std::vector<Eigen::Vector3d> normals;
     normals.reserve(points.size());
     for (const PointPair& p : points) {
@@ -26,7 +26,7 @@ Eigen::Vector3d direction_for(std::span<const PointPair> points, const Eigen::Qu
         normals.push_back(ray1.cross(p.x2.homogeneous().normalized()));
     }
     Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kReweightings; ++round) {
         Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
         for (const Eigen::Vector3d& normal : normals) {
             const double off = round == 0 ? 0.0 : normal.dot(direction) / options.loss_scale;

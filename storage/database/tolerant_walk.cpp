@@ -10,7 +10,7 @@ namespace {
 // Positions in a family: the first eight bytes of a key as a number. Keys that share them are never
 // told apart here, which only makes a gap a little wider.
 using Position = std::uint64_t;
-constexpr Position kLast = std::numeric_limits<Position>::max();
+constexpr Position kLastPosition = std::numeric_limits<Position>::max();
 
 Position position_of(std::string_view key) {
     Position position = 0;
@@ -40,12 +40,12 @@ bool readable(const rocksdb::Iterator& iterator) {
     return iterator.Valid() || iterator.status().ok();
 }
 
-/// The first readable position above `bad`: doubling steps, then bisection. kLast when there is
-/// none.
+/// The first readable position above `bad`: doubling steps, then bisection. kLastPosition when
+/// there is none.
 Position first_readable_after(const ReadView& view, Family family, Position bad) {
     Position low = bad;
-    Position high = kLast;
-    for (Position step = 1; step != 0 && kLast - bad > step; step <<= 1U) {
+    Position high = kLastPosition;
+    for (Position step = 1; step != 0 && kLastPosition - bad > step; step <<= 1U) {
         if (readable(*seek(view, family, bad + step))) {
             high = bad + step;
             break;
@@ -76,7 +76,7 @@ void walk_family(const ReadView& view, Family family, const WalkCallbacks& callb
         bad = std::max(bad, last_read.empty() ? Position{0} : position_of(last_read));
         bad = first_readable_after(view, family, bad);
         iterator = seek(view, family, bad);
-        const bool found = bad != kLast && iterator->Valid();
+        const bool found = bad != kLastPosition && iterator->Valid();
         callbacks.gap(last_read, found ? iterator->key().ToString() : std::string(), problem);
         if (!found) return;
     }

@@ -17,10 +17,10 @@ records::Vector3 to_record(const Eigen::Vector3d& v) {
     return {v.x(), v.y(), v.z()};
 }
 
-Eigen::Quaterniond from_record(const records::Quaternion& q) {
+Eigen::Quaterniond quaternion_of(const records::Quaternion& q) {
     return {q.w(), q.x(), q.y(), q.z()};
 }
-Eigen::Vector3d from_record(const records::Vector3& v) {
+Eigen::Vector3d vector_of(const records::Vector3& v) {
     return {v.x(), v.y(), v.z()};
 }
 
@@ -35,11 +35,11 @@ records::Similarity to_record(const Sim3& motion) {
 }
 
 Rigid3 from_record(const records::Rigid& record) {
-    return {from_record(record.rotation()), from_record(record.translation())};
+    return {quaternion_of(record.rotation()), vector_of(record.translation())};
 }
 
 Sim3 from_record(const records::Similarity& record) {
-    return {record.scale(), from_record(record.rotation()), from_record(record.translation())};
+    return {record.scale(), quaternion_of(record.rotation()), vector_of(record.translation())};
 }
 
 flatbuffers::Offset<records::Camera> add_camera(flatbuffers::FlatBufferBuilder& builder,

@@ -8,6 +8,7 @@
 #include "storage/database/tolerant_walk.h"
 #include "storage/records/image_records.h"
 #include "storage/records/pair_records.h"
+#include "storage/session/id_words.h"
 
 namespace psfm {
 namespace {
@@ -18,10 +19,6 @@ Error no_such(const Database& database, const std::string& what) {
 
 Error damage(const ReadView& view, Family family, std::string_view key, const char* problem) {
     return view.about(family, key, {ErrorCode::kDamaged, problem});
-}
-
-std::string name(ImageId image) {
-    return "image " + std::to_string(index_of(image));
 }
 
 /// A value that never changes once written: from the cache, or read, decoded and cached.
@@ -36,7 +33,7 @@ Result<std::shared_ptr<const T>> read_cached(const Database& database, DecodedCa
             auto value = fetch<T>(view, family, kind, encode_key(image), decode);
             if (!value.ok()) return value.error();
             if (!value->has_value()) {
-                return no_such(database, std::string(describe(kind)) + " of " + name(image));
+                return no_such(database, std::string(describe(kind)) + " of " + words_of(image));
             }
             auto shared = std::make_shared<const T>(std::move(**value));
             cache.put(cache_key, shared, size_of(*shared));
@@ -180,7 +177,7 @@ Result<std::vector<VerifiedPairPtr>> SessionReads::pairs_of(ImageId image) const
             fetch<Pairs>(view, Family::kPairs, RecordKind::kPairs, encode_key(image),
                          [&](std::string_view payload) { return decode_pairs(image, payload); });
         if (!pairs.ok()) return pairs.error();
-        if (!pairs->has_value()) return no_such(*database_, "verified pairs of " + name(image));
+        if (!pairs->has_value()) return no_such(*database_, "verified pairs of " + words_of(image));
         return std::move(**pairs);
     });
 }

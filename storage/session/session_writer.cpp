@@ -6,20 +6,11 @@
 #include "storage/database/record_reads.h"
 #include "storage/records/image_records.h"
 #include "storage/records/pair_records.h"
+#include "storage/session/id_words.h"
 #include "storage/session/retention.h"
 #include "storage/session/writer_batch.h"
 
 namespace psfm {
-namespace {
-
-std::string name(ImageId image) {
-    return "image " + std::to_string(index_of(image));
-}
-std::string name(ClusterId cluster) {
-    return "cluster " + std::to_string(index_of(cluster));
-}
-
-}  // namespace
 
 SessionWriter::SessionWriter(std::unique_ptr<Database> database, WriterState state,
                              const StoreOptions& options)
@@ -49,11 +40,11 @@ Result<void> SessionWriter::commit_image(const Image& image, const Camera& camer
                                          const Keypoints& keypoints, const Descriptors& descriptors,
                                          const ImageSource& source) {
     if (index_of(image.id) != state_.image_count) {
-        return refused(name(image.id) + " is not the next one, " +
+        return refused(words_of(image.id) + " is not the next one, " +
                        std::to_string(state_.image_count));
     }
     if (descriptors.rows() != keypoints.size() && !descriptors.values.empty()) {
-        return refused(name(image.id) + " has another number of descriptors than keypoints");
+        return refused(words_of(image.id) + " has another number of descriptors than keypoints");
     }
     const std::string key = encode_key(image.id);
     const bool new_camera = !state_.cameras.contains(image.camera);
@@ -83,7 +74,7 @@ Result<void> SessionWriter::commit_files(const std::vector<SourcedImage>& images
     Batch batch(database());
     for (const auto& [image, source] : images) {
         if (index_of(image.id) >= state_.image_count)
-            return refused(name(image.id) + " is not accepted");
+            return refused(words_of(image.id) + " is not accepted");
         batch.put(Family::kImages, RecordKind::kImage, encode_key(image.id),
                   encode_image(image, source));
         batch.remove(Family::kMeta, rejected_key(image.name));
@@ -98,10 +89,10 @@ Result<SessionWriter::ClusterRecords> SessionWriter::edited_clusters(
     for (const StoredCluster& cluster : changed) {
         const auto known = state_.clusters.find(cluster.id);
         if (known != state_.clusters.end() && known->second.removed) {
-            return refused(name(cluster.id) + " was removed; its id is never used again");
+            return refused(words_of(cluster.id) + " was removed; its id is never used again");
         }
         if (!cluster.members.empty() && cluster.members.back() > image) {
-            return refused(name(cluster.id) + " holds an image whose pairs are not committed");
+            return refused(words_of(cluster.id) + " holds an image whose pairs are not committed");
         }
         const bool as_solved =
             known != state_.clusters.end() && known->second.cluster.revision == cluster.revision;
@@ -111,11 +102,11 @@ Result<SessionWriter::ClusterRecords> SessionWriter::edited_clusters(
     for (const ClusterId id : removed) {
         const auto known = state_.clusters.find(id);
         if (known == state_.clusters.end() || known->second.removed) {
-            return refused(name(id) + " cannot be removed: it does not exist");
+            return refused(words_of(id) + " cannot be removed: it does not exist");
         }
         const ClusterRecord& record = known->second;
         if (!edited.emplace(id, ClusterRecord{record.cluster, true, record.whole}).second) {
-            return refused(name(id) + " is both changed and removed");
+            return refused(words_of(id) + " is both changed and removed");
         }
     }
     return edited;
@@ -144,7 +135,7 @@ Result<void> SessionWriter::commit_pairs(ImageId image, const std::vector<Verifi
                                          const std::vector<StoredCluster>& changed,
                                          const std::vector<ClusterId>& removed) {
     if (index_of(image) != state_.verified_count || state_.verified_count >= state_.image_count) {
-        return refused("pairs of " + name(image) + " are not the next ones, of image " +
+        return refused("pairs of " + words_of(image) + " are not the next ones, of image " +
                        std::to_string(state_.verified_count));
     }
     auto edited = edited_clusters(image, changed, removed);
@@ -184,7 +175,7 @@ Result<void> SessionWriter::check_scene(const StoredSceneVersion& version) const
         if (placement.revision == 0) continue;
         const auto known = state_.clusters.find(placement.cluster);
         if (known == state_.clusters.end() || placement.revision > known->second.cluster.revision) {
-            return refused(label + " refers to a solution of " + name(placement.cluster) +
+            return refused(label + " refers to a solution of " + words_of(placement.cluster) +
                            " that is not committed");
         }
         const SolutionKey key{placement.cluster, placement.revision};
@@ -193,7 +184,7 @@ Result<void> SessionWriter::check_scene(const StoredSceneVersion& version) const
         const bool at_hand = current || state_.superseded.contains(key) ||
                              (state_.scene && refers_to(state_.scene->scene, key));
         if (!at_hand && history_ != History::kFull) {
-            return refused(label + " refers to an old solution of " + name(placement.cluster) +
+            return refused(label + " refers to an old solution of " + words_of(placement.cluster) +
                            " whose points are dropped");
         }
     }

@@ -6,31 +6,26 @@
 
 #include "storage/database/record_reads.h"
 #include "storage/database/solution_chain.h"
+#include "storage/session/id_words.h"
 #include "storage/session/retention.h"
 #include "storage/session/session_writer.h"
 #include "storage/session/writer_batch.h"
 
 namespace psfm {
-namespace {
-
-std::string name(ClusterId cluster) {
-    return "cluster " + std::to_string(index_of(cluster));
-}
-
-}  // namespace
 
 Result<void> SessionWriter::commit_solution(const StoredSolution& solution,
                                             const StoredCluster& cluster, const StoredEdit& edit) {
     if (solution.cluster != cluster.id || solution.revision != cluster.revision) {
-        return refused("solution and record of " + name(cluster.id) + " do not belong together");
+        return refused("solution and record of " + words_of(cluster.id) +
+                       " do not belong together");
     }
     const auto known = state_.clusters.find(cluster.id);
     const std::uint32_t before =
         known == state_.clusters.end() ? 0 : known->second.cluster.revision;
     const std::uint32_t whole_before = before == 0 ? 0 : whole_revision(known->second);
     if (solution.revision <= before) {
-        return refused("revision " + std::to_string(solution.revision) + " of " + name(cluster.id) +
-                       " is not above " + std::to_string(before));
+        return refused("revision " + std::to_string(solution.revision) + " of " +
+                       words_of(cluster.id) + " is not above " + std::to_string(before));
     }
     auto edited = edited_clusters(edit);
     if (!edited.ok()) return edited.error();

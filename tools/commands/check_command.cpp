@@ -10,13 +10,12 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/exit_codes.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {
-
-constexpr int kStoreDamaged = 4;  // Format: an exit code
 
 int check(const std::string& session) {
     auto reader = open_session_reader(session, StoreOptions{});

@@ -14,6 +14,7 @@
 #include "stages/features/photographs/photo_mask.h"
 #include "stages/features/photographs/read_file_bytes.h"
 #include "storage/exchange/models/dataset_names.h"
+#include "storage/exchange/models/export_models.h"
 #include "tools/commands/count_line.h"
 
 namespace psfm {
@@ -71,12 +72,6 @@ std::uint64_t mask_hash(const PictureOptions& options, const PhotoFile& photo) {
     const auto bytes =
         read_file_bytes({*file, photo.name}, std::uint64_t{options.read.max_file_mib} << 20U);
     return bytes ? XXH64(bytes->data(), bytes->size(), 0) : 0;
-}
-
-const Image* find_session_image(std::span<const Image> images, std::uint32_t exported_id) {
-    const auto id = static_cast<ImageId>(exported_id - 1);
-    const auto found = std::ranges::lower_bound(images, id, {}, &Image::id);
-    return found != images.end() && found->id == id ? &*found : nullptr;
 }
 
 /// The view that pictures of a camera are made with: the one that they were made with before, as

@@ -30,12 +30,6 @@ struct EvaluateArguments {
     bool json = false;
 };
 
-/// A failure, and what it was met in.
-struct Failure {
-    Error error;
-    ErrorOrigin origin = ErrorOrigin::kOtherInput;
-};
-
 /// A model as evaluation sees it.
 struct NamedModel {
     std::string name;

@@ -17,6 +17,7 @@
 #include "storage/exchange/models/write_models.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/exit_codes.h"
 #include "tools/commands/export_database.h"
 #include "tools/commands/export_dataset.h"
 #include "tools/commands/geo_files.h"
@@ -26,8 +27,6 @@
 
 namespace psfm {
 namespace {
-
-constexpr int kUsageError = 2;  // Format: an exit code
 
 struct ExportArguments {
     std::string session;

@@ -16,33 +16,19 @@
 namespace psfm {
 namespace {
 
-/// A failure, and what to blame.
-struct Failure {
-    Error error;
-    ErrorOrigin origin;
-};
-
-Failure of_session(const Error& error) {
-    return {error, ErrorOrigin::kSession};
-}
-
-Failure of_output(const Error& error) {
-    return {error, ErrorOrigin::kOtherInput};
-}
-
 struct Totals {
     std::size_t features = 0;
     std::size_t pairs = 0;
     std::size_t matches = 0;
 };
 
-struct Contents {
+struct DatabaseContents {
     std::vector<Image> images;
     std::vector<ImageSource> sources;  ///< beside them
     std::map<CameraId, Camera> cameras;
 };
 
-std::optional<Failure> write_images(const SessionReader& session, const Contents& contents,
+std::optional<Failure> write_images(const SessionReader& session, const DatabaseContents& contents,
                                     ColmapDatabaseWriter& writer, Totals& totals) {
     for (const auto& [id, camera] : contents.cameras) {
         if (auto done = writer.add_camera(id, camera); !done.ok()) return of_output(done.error());
@@ -62,7 +48,7 @@ std::optional<Failure> write_images(const SessionReader& session, const Contents
     return std::nullopt;
 }
 
-std::optional<Failure> write_pairs(const SessionReader& session, const Contents& contents,
+std::optional<Failure> write_pairs(const SessionReader& session, const DatabaseContents& contents,
                                    ColmapDatabaseWriter& writer, Totals& totals) {
     const auto verified = session.verified_image_count();
     if (!verified.ok()) return of_session(verified.error());
@@ -108,7 +94,8 @@ Result<void> check_output(const std::filesystem::path& file, const PreviousExpor
     return {};
 }
 
-std::optional<Failure> write_database(const SessionReader& session, const Contents& contents,
+std::optional<Failure> write_database(const SessionReader& session,
+                                      const DatabaseContents& contents,
                                       const std::filesystem::path& file, Totals& totals) {
     auto previous = PreviousExport::read(file.parent_path());
     if (!previous.ok()) return of_output(previous.error());
@@ -143,7 +130,7 @@ int export_database(const std::string& session, const std::filesystem::path& fol
     }
     auto sources = (*reader)->image_sources();
     if (!sources.ok()) return report_error(sources.error());
-    const Contents contents{*std::move(images), *std::move(sources), *std::move(cameras)};
+    const DatabaseContents contents{*std::move(images), *std::move(sources), *std::move(cameras)};
     const std::filesystem::path file = folder / "database.db";
     Totals totals;
     if (const auto failure = write_database(**reader, contents, file, totals)) {

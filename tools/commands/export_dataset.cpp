@@ -24,22 +24,8 @@
 namespace psfm {
 namespace {
 
-/// A failure, and what to blame.
-struct Failure {
-    Error error;
-    ErrorOrigin origin;
-};
-
-Failure of_session(Error error) {
-    return {std::move(error), ErrorOrigin::kSession};
-}
-
-Failure of_output(Error error) {
-    return {std::move(error), ErrorOrigin::kOtherInput};
-}
-
 /// What the session has to say.
-struct Contents {
+struct DatasetContents {
     Scene scene;
     std::vector<Image> images;
     std::filesystem::path photo_folder;
@@ -47,9 +33,9 @@ struct Contents {
     std::vector<ExportedModel> models;
 };
 
-Result<Contents> read_session(const SessionReader& session,
-                              std::optional<std::uint32_t> after_image) {
-    Contents contents;
+Result<DatasetContents> read_session(const SessionReader& session,
+                                     std::optional<std::uint32_t> after_image) {
+    DatasetContents contents;
     auto scene = after_image ? session.scene_after(*after_image) : session.scene();
     if (!scene.ok()) return scene.error();
     contents.scene = *std::move(scene);
@@ -113,7 +99,7 @@ void remove_leftovers(const std::filesystem::path& folder) {
 /// One export into one folder.
 class DatasetExport {
   public:
-    DatasetExport(const Contents& contents, const DatasetArguments& arguments,
+    DatasetExport(const DatasetContents& contents, const DatasetArguments& arguments,
                   std::filesystem::path output, PreviousExport previous)
         : contents_(contents),
           arguments_(arguments),
@@ -282,7 +268,7 @@ class DatasetExport {
         return std::nullopt;
     }
 
-    const Contents& contents_;
+    const DatasetContents& contents_;
     const DatasetArguments& arguments_;
     DatasetPictureOptions options_;
     std::filesystem::path output_;
@@ -298,7 +284,7 @@ class DatasetExport {
     std::vector<std::string> summary_;
 };
 
-std::optional<Failure> check_parts(const Contents& contents, const std::string& session,
+std::optional<Failure> check_parts(const DatasetContents& contents, const std::string& session,
                                    const DatasetArguments& arguments) {
     if (contents.models.empty()) {
         return of_session({ErrorCode::kNotFound, session + ": the session has no model yet: " +

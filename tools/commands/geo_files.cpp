@@ -9,8 +9,10 @@
 #include "stages/algorithms/math/angles.h"
 #include "stages/merge/geo/earth_frame.h"
 #include "stages/merge/geo/gravity.h"
+#include "storage/exchange/models/export_models.h"
 #include "tools/commands/geo_report.h"
 #include "tools/commands/wording.h"
+#include "tools/report/json_text.h"
 
 namespace psfm {
 namespace {
@@ -19,16 +21,6 @@ using Json = nlohmann::ordered_json;
 
 /// Format: what is warned of: farther off than this, a position is not about this place at all [m].
 constexpr double kFarM = 1000.0;
-
-Json json_of(const Eigen::Vector3d& vector) {
-    return Json::array({vector.x(), vector.y(), vector.z()});
-}
-
-const Image* find_session_image(std::span<const Image> images, std::uint32_t exported_id) {
-    const auto id = static_cast<ImageId>(exported_id - 1);
-    const auto found = std::ranges::lower_bound(images, id, {}, &Image::id);
-    return found != images.end() && found->id == id ? &*found : nullptr;
-}
 
 /// Rows of the transform from the world to earth-centred, earth-fixed coordinates [m].
 Json ecef_from_world(const GpsPosition& datum) {
@@ -52,7 +44,7 @@ Json image_json(const ExportedImage& image, const Image& photo, const GpsPositio
         const Eigen::Vector3d enu = enu_from_wgs84(datum, *photo.metadata.gps);
         const Eigen::Vector3d residual = centre - enu;
         json["position"] = json_of(*photo.metadata.gps);
-        json["residual_m"] = json_of(residual);
+        json["residual_m"] = array_of(residual);
         if (!photo.metadata.gps->altitude_m) json["residual_m"][2] = nullptr;
     }
     return json;
@@ -72,7 +64,7 @@ std::string georeference_json(const WorldReference& reference, std::span<const G
         const PositionAgreement& agreement = reference.models.at(part.number);
         Json item{{"part", part.number},
                   {"placed", agreement.is_enough(options)},
-                  {"origin", json_of(part.origin)},
+                  {"origin", array_of(part.origin)},
                   {"world_from_part",
                    {{1.0, 0.0, 0.0, part.origin.x()},
                     {0.0, 1.0, 0.0, part.origin.y()},
@@ -115,8 +107,8 @@ std::string shots_geojson(const WorldReference& reference, std::span<const GeoPa
                    {"focal", camera.mean_focal() / std::max(camera.width, camera.height)},
                    {"width", camera.width},
                    {"height", camera.height},
-                   {"translation", json_of(centre)},
-                   {"rotation", json_of(Eigen::Vector3d(turn.angle() * turn.axis()))},
+                   {"translation", array_of(centre)},
+                   {"rotation", array_of(Eigen::Vector3d(turn.angle() * turn.axis()))},
                    {"part", part.number}}},
                  {"geometry",
                   {{"type", "Point"},

@@ -9,6 +9,7 @@
 
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/exit_codes.h"
 #include "tools/commands/import_model.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_options.h"
@@ -16,8 +17,6 @@
 
 namespace psfm {
 namespace {
-
-constexpr int kUsageError = 2;  // Format: an exit code
 
 struct ImportArguments {
     SessionArguments session;

@@ -14,6 +14,7 @@
 #include "stages/features/photographs/photo_listing.h"
 #include "storage/exchange/models/read_colmap.h"
 #include "tools/commands/count_line.h"
+#include "tools/commands/exit_codes.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"
 #include "tools/commands/thread_budget.h"
@@ -23,8 +24,6 @@ namespace psfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kUsageError = 2;  // Format: an exit code
 
 fs::path absolute(const std::string& path) {
     return fs::absolute(path).lexically_normal();
@@ -75,11 +74,6 @@ Result<void> check_photographs(const ForeignModel& foreign) {
     std::cerr << "psfm: " << lacks << '\n';
     return {};
 }
-
-struct Failure {
-    Error error;
-    ErrorOrigin origin = ErrorOrigin::kOtherInput;
-};
 
 /// Makes the session beside its place, and moves it there.
 std::optional<Failure> make_session(const SessionArguments& session, const ForeignModel& foreign,

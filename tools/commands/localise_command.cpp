@@ -20,8 +20,10 @@
 #include "stages/localisation/localise_photo.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/exit_codes.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/thread_budget.h"
+#include "tools/report/json_text.h"
 
 namespace psfm {
 namespace {
@@ -139,10 +141,6 @@ Result<LocalisedPhoto> localise(const OpenSession& session, const PhotoFile& pho
         [&](ImageId image) { return session.reader->descriptors(image); }, LocaliseOptions{});
 }
 
-Json json_of(const Eigen::Vector3d& vector) {
-    return Json::array({vector.x(), vector.y(), vector.z()});
-}
-
 Json json_of(const OpenSession& session, const PhotoFile& photo,
              const Result<LocalisedPhoto>& found) {
     Json json{{"name", photo.name}, {"localised", found.ok()}};
@@ -154,8 +152,8 @@ Json json_of(const OpenSession& session, const PhotoFile& photo,
     json["part"] = found->part;
     json["cam_from_world"] = {
         {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
-        {"translation", json_of(found->cam_from_world.translation)}};
-    json["centre"] = json_of(found->cam_from_world.target_origin_in_source());
+        {"translation", array_of(found->cam_from_world.translation)}};
+    json["centre"] = array_of(found->cam_from_world.target_origin_in_source());
     json["covariance"] = nullptr;
     if (found->covariance) {
         Json rows = Json::array();
@@ -248,7 +246,6 @@ int run_localise(const LocaliseArguments& arguments) {
         std::cout << localised << " of " << photos->size() << " localised\n";
     }
     std::cout << std::flush;
-    constexpr int kBadInput = 3;  // Format: an exit code
     return readable == 0 ? kBadInput : 0;
 }
 

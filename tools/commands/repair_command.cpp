@@ -20,6 +20,7 @@
 #include "storage/database/session_folder.h"
 #include "storage/database/system_error.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/exit_codes.h"
 #include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"
 
@@ -27,8 +28,6 @@ namespace psfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kStoreDamaged = 4;  // Format: an exit code
 
 struct RepairArguments {
     std::string session;

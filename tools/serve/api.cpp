@@ -19,19 +19,6 @@ constexpr std::string_view kApi = "/api/v1";
 constexpr std::string_view kCookie = "psfm_token";
 constexpr std::size_t kMostJson = 4096;  // Guard: of a body: a token
 
-HttpPlan at_once(HttpResponse response) {
-    HttpPlan plan;
-    plan.answer = std::move(response);
-    return plan;
-}
-
-template <typename F>
-HttpPlan by_work(F work) {
-    HttpPlan plan;
-    plan.work = [work = std::move(work)](const HttpRequest&) { return work(); };
-    return plan;
-}
-
 bool takes_gzip(const HttpRequest& request) {
     return request.header("accept-encoding").find("gzip") != std::string_view::npos;
 }
@@ -150,22 +137,24 @@ HttpPlan Api::plan_page(const HttpRequest& head) const {
     };
     const std::string path = head.path;
     if (path == "/")
-        return by_work(
-            [=] { return text("text/html; charset=utf-8", served_page("psfm", "viewer.js")); });
+        return by_work([=](const HttpRequest&) {
+            return text("text/html; charset=utf-8", served_page("psfm", "viewer.js"));
+        });
     if (path == "/capture") {
-        return by_work([=] {
+        return by_work([=](const HttpRequest&) {
             return text("text/html; charset=utf-8",
                         served_page("psfm: send photographs", "capture.js"));
         });
     }
     if (path == "/viewer.js" || path == "/capture.js") {
-        return by_work([=] {
+        return by_work([=](const HttpRequest&) {
             return text("text/javascript; charset=utf-8", std::string(page_file(path.substr(1))));
         });
     }
     if (path == "/style.css")
-        return by_work(
-            [=] { return text("text/css; charset=utf-8", std::string(page_file("style.css"))); });
+        return by_work([=](const HttpRequest&) {
+            return text("text/css; charset=utf-8", std::string(page_file("style.css")));
+        });
     if (path == "/favicon.ico") {  // browsers ask for it, and there is none
         HttpResponse none;
         none.status = 204;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tools/report/json_text.h"
 #include "tools/report/residuals.h"
 #include "tools/serve/api.h"
 #include "tools/serve/gzip.h"
@@ -43,18 +44,6 @@ std::vector<std::string> parts_of(const std::string& path) {
     return parts;
 }
 
-HttpPlan at_once(HttpResponse response) {
-    HttpPlan plan;
-    plan.answer = std::move(response);
-    return plan;
-}
-
-HttpPlan by_work(std::function<HttpResponse(const HttpRequest&)> work) {
-    HttpPlan plan;
-    plan.work = std::move(work);
-    return plan;
-}
-
 HttpResponse octets(const LiveSession::Bytes& bytes, const HttpRequest& request) {
     HttpResponse response;
     response.headers = {{"Content-Type", std::string(kOctets)},
@@ -68,10 +57,6 @@ HttpResponse octets(const LiveSession::Bytes& bytes, const HttpRequest& request)
         response.body = bytes.plain;
     }
     return response;
-}
-
-std::string dump(const ordered_json& object) {
-    return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 /// What a photograph is called by who sends it: for people, one line of at most 200 bytes.
@@ -255,7 +240,7 @@ HttpResponse Api::point(std::uint32_t cluster, std::uint32_t slot) const {
             ordered_json images = ordered_json::array();
             for (const Observation& seen : point.track) images.push_back(index_of(seen.image));
             return json_response(
-                200, dump({{"images", std::move(images)}, {"error_px", point.error_px}}));
+                200, text_of({{"images", std::move(images)}, {"error_px", point.error_px}}));
         }
     }
     return problem(404, "there is no such point any more");
@@ -298,7 +283,7 @@ HttpResponse Api::image(std::uint32_t image) const {
                                 {"cluster", index_of(cluster->id)},
                                 {"slot", slot ? ordered_json(*slot) : ordered_json()}});
     }
-    return json_response(200, dump({{"observations", std::move(observations)}}));
+    return json_response(200, text_of({{"observations", std::move(observations)}}));
 }
 
 HttpResponse Api::pair(std::uint32_t first, std::uint32_t second) const {
@@ -321,7 +306,7 @@ HttpResponse Api::pair(std::uint32_t first, std::uint32_t second) const {
             const Keypoint& two = (**b)[match.second];
             matches.push_back({{"x1", one.x}, {"y1", one.y}, {"x2", two.x}, {"y2", two.y}});
         }
-        return json_response(200, dump({{"matches", std::move(matches)}}));
+        return json_response(200, text_of({{"matches", std::move(matches)}}));
     }
     return problem(404, "there is no such pair");
 }
@@ -366,7 +351,7 @@ HttpResponse Api::mine(const User& user) const {
         entry["advice"] = fact == by_name.end() ? "" : fact->second.advice;
         photographs.push_back(std::move(entry));
     }
-    return json_response(200, dump({{"photographs", std::move(photographs)}}));
+    return json_response(200, text_of({{"photographs", std::move(photographs)}}));
 }
 
 }  // namespace psfm

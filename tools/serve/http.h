@@ -63,6 +63,18 @@ struct HttpPlan {
     std::size_t most_body = 0;       ///< of `work` and `sink`
 };
 
+inline HttpPlan at_once(HttpResponse response) {
+    HttpPlan plan;
+    plan.answer = std::move(response);
+    return plan;
+}
+
+inline HttpPlan by_work(std::function<HttpResponse(const HttpRequest&)> work) {
+    HttpPlan plan;
+    plan.work = std::move(work);
+    return plan;
+}
+
 /// What stands behind the server.
 class HttpApplication {
   public:

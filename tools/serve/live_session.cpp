@@ -9,6 +9,7 @@
 #include <random>
 
 #include "scheduler/report/event_log.h"
+#include "tools/report/json_text.h"
 #include "tools/report/status_json.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/wire.h"
@@ -21,10 +22,6 @@ using nlohmann::ordered_json;
 
 double seconds_since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
-}
-
-std::string dump(const ordered_json& object) {
-    return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 /// What an image is told again for: not every point more or less.
@@ -66,9 +63,9 @@ LiveSession::~LiveSession() {
 void LiveSession::on_publish(const PublishMessage& publish) {
     for (const SessionEvent& event : publish.events) {
         if (event.kind == SessionEvent::Kind::kSolve) continue;  // of every image
-        events_->publish("event", dump({{"image", publish.counts.images},
-                                        {"event", name_of(event.kind)},
-                                        {"text", event.text}}));
+        events_->publish("event", text_of({{"image", publish.counts.images},
+                                           {"event", name_of(event.kind)},
+                                           {"text", event.text}}));
     }
     if (publish.scene) on_version(publish.scene);
 }
@@ -178,22 +175,22 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
         hints_ = page.hints;
         return differs;
     }();
-    events_->publish("version", dump({{"version", counts.version},
-                                      {"images", counts.images},
-                                      {"placed", counts.placed},
-                                      {"waiting", counts.waiting},
-                                      {"rejected", counts.rejected},
-                                      {"clusters", counts.clusters},
-                                      {"effective_clusters", counts.effective_clusters},
-                                      {"change", number},
-                                      {"bytes", bytes}}));
+    events_->publish("version", text_of({{"version", counts.version},
+                                         {"images", counts.images},
+                                         {"placed", counts.placed},
+                                         {"waiting", counts.waiting},
+                                         {"rejected", counts.rejected},
+                                         {"clusters", counts.clusters},
+                                         {"effective_clusters", counts.effective_clusters},
+                                         {"change", number},
+                                         {"bytes", bytes}}));
     if (!new_hints) return;
     ordered_json hints = ordered_json::array();
     for (const Hint& hint : page.hints) {
         hints.push_back(
             {{"kind", hint_name(hint.kind)}, {"image", index_of(hint.image)}, {"text", hint.text}});
     }
-    events_->publish("hint", dump(hints));
+    events_->publish("hint", text_of(hints));
 }
 
 void LiveSession::tell_images(const std::vector<ImageFact>& facts) {
@@ -210,14 +207,14 @@ void LiveSession::tell_images(const std::vector<ImageFact>& facts) {
                 image["sha256"] = upload->sha256;
             }
         }
-        events_->publish("image", dump(image));
+        events_->publish("image", text_of(image));
     }
 }
 
 LiveSession::Bytes LiveSession::session(const std::string& me, const std::string& role) const {
     const std::lock_guard lock(mutex_);
     if (session_.empty()) return {};
-    const std::string who = dump({{"name", me}, {"role", role}});
+    const std::string who = text_of({{"name", me}, {"role", role}});
     Bytes& bytes = sessions_[who];
     if (!bytes.plain) {
         std::string text = session_ + ",\"me\":" + who + "}";

@@ -15,7 +15,7 @@ namespace {
 
 // CHOLMOD's simplicial factorisation: no BLAS inside, hence the same bits for any number of its
 // threads.
-using Factor = Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
+using SparseFactor = Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
 
 /// Guard: over-relaxation of ADMM, which converges for any below 2; 1.5 to 1.8 are customary (Boyd
 /// et al. 2011, sec. 3.4.3).
@@ -124,7 +124,7 @@ class LeastAbsoluteDeviations {
 
     const RotationProblem& problem_;
     RotationNorm norm_;
-    Factor factor_;
+    SparseFactor factor_;
     Rows3 multipliers_;
     Rows3 z_;
     Rows3 right_side_;

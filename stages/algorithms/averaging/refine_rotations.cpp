@@ -13,7 +13,7 @@ namespace psfm {
 namespace {
 
 /// By supernodes: the graph of a cluster is dense, and OpenBLAS is faster than a loop.
-using Factor = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
+using SupernodalFactor = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
 
 /// Guard: edges are never let go altogether: the normal matrix stays definite, and an edge that
 /// fits after all comes back.
@@ -42,7 +42,7 @@ Result<std::uint32_t> refine_rotations(RotationProblem& problem,
     keep_blas_on_one_thread();
     const double scale = options.loss_scale_deg * kRadiansPerDegree;
     const auto edges = static_cast<Eigen::Index>(problem.edges.size());
-    Factor factor;
+    SupernodalFactor factor;
     factor.cholmod().print = 0;  // errors are returned, not printed
     Eigen::VectorXd weights(edges);
     std::uint32_t iteration = 0;

@@ -19,7 +19,6 @@
 namespace psfm {
 namespace {
 
-constexpr std::size_t kSize = Descriptors::kSize;
 constexpr std::size_t kGroupColumns = kStripColumns * kStripGroup;
 /// Guard: keys of so many rows are written at a time: they stay in the cache until they are read.
 constexpr std::size_t kRowsAtOnce = 256;
@@ -30,14 +29,10 @@ constexpr std::size_t kMaxCells = 255 * kStripColumns;
 std::vector<std::uint8_t> sample(const Descriptors& descriptors, std::size_t cells) {
     const std::size_t step = std::max<std::size_t>(1, descriptors.rows() / (16 * cells));
     std::vector<std::uint8_t> rows;
-    rows.reserve((descriptors.rows() / step + 1) * kSize);
+    rows.reserve((descriptors.rows() / step + 1) * Descriptors::kSize);
     for (std::size_t i = 0; i < descriptors.rows(); i += step)
-        rows.insert(rows.end(), descriptors.row(i), descriptors.row(i) + kSize);
+        rows.insert(rows.end(), descriptors.row(i), descriptors.row(i) + Descriptors::kSize);
     return rows;
-}
-
-NearestTwo view(NearestArrays& arrays, std::size_t from = 0) {
-    return {arrays.best.data() + from, arrays.second.data() + from, arrays.index.data() + from};
 }
 
 /// The descriptors that are compared with cells.
@@ -141,8 +136,8 @@ class CellComparison {
             input.column_norms = cells_.norms.data() + first;
             input.column_count = cells_.cells[c].rows;
             input.first_column = first;
-            kernel_.kernel(input, {.of_rows = view(of_rows_),
-                                   .of_columns = view(of_columns_, first),
+            kernel_.kernel(input, {.of_rows = of_rows_.view(),
+                                   .of_columns = of_columns_.view(first),
                                    .column_keys = column_keys_.data(),
                                    .column_minima = column_minima_.data()});
         }
@@ -197,7 +192,7 @@ DescriptorCells divide(const Descriptors& descriptors, const CellOptions& option
     const std::vector<CellRows> cells = rows_by_cell(
         descriptors.values, nearest_descriptors(descriptors.values, pack(means)), means.rows());
     Descriptors centres;
-    centres.values.reserve(cells.size() * kSize);
+    centres.values.reserve(cells.size() * Descriptors::kSize);
     const std::size_t padded_columns = descriptors.rows() + cells.size() * kGroupColumns;
     divided.strips.reserve(padded_columns / kStripColumns);
     divided.norms.reserve(padded_columns);
@@ -214,7 +209,7 @@ DescriptorCells divide(const Descriptors& descriptors, const CellOptions& option
         divided.norms.resize(divided.strips.size() * kStripColumns, 0);
         divided.row_of_column.resize(divided.norms.size(), 0);
         const std::uint8_t* centre = means.row(cell.cell);
-        centres.values.insert(centres.values.end(), centre, centre + kSize);
+        centres.values.insert(centres.values.end(), centre, centre + Descriptors::kSize);
     }
     divided.centres = pack(centres);
     return divided;

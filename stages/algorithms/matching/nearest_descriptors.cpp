@@ -6,14 +6,6 @@
 #include <utility>
 
 namespace psfm {
-namespace {
-
-NearestTwo view(NearestArrays& arrays) {
-    return {arrays.best.data(), arrays.second.data(), arrays.index.data()};
-}
-
-}  // namespace
-
 ByteSums sums_of(const std::uint8_t* row) {
     ByteSums sums;
     for (std::size_t k = 0; k < Descriptors::kSize; ++k) {
@@ -45,8 +37,8 @@ NearestBothWays nearest_both_ways(std::span<const std::uint8_t> rows,
                                .strips = columns.strips.data(),
                                .column_norms = columns.norms.data(),
                                .column_count = column_count};
-    kernel(input, {.of_rows = view(nearest.of_rows),
-                   .of_columns = view(nearest.of_columns),
+    kernel(input, {.of_rows = nearest.of_rows.view(),
+                   .of_columns = nearest.of_columns.view(),
                    .column_keys = column_keys.data(),
                    .column_minima = column_minima.data()});
     return nearest;

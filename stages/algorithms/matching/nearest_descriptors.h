@@ -15,6 +15,11 @@ struct NearestArrays {
     explicit NearestArrays(std::size_t count)
         : best(count, kNoDistance), second(count, kNoDistance), index(count, 0) {}
 
+    /// Where a kernel writes those from `from` on.
+    NearestTwo view(std::size_t from = 0) {
+        return {best.data() + from, second.data() + from, index.data() + from};
+    }
+
     std::vector<std::int32_t> best;
     std::vector<std::int32_t> second;
     std::vector<std::uint32_t> index;

@@ -32,10 +32,6 @@ class Descriptor {
     int fd_;
 };
 
-Error unreadable(const PhotoFile& photo, const std::string& reason) {
-    return {ErrorCode::kUnreadable, printable(photo.name) + ": " + reason};
-}
-
 std::string remedy_of(int error_number) {
     switch (error_number) {
         case EACCES:
@@ -57,6 +53,10 @@ Error refused_by_system(const PhotoFile& photo, const std::string& what, int err
 }
 
 }  // namespace
+
+Error unreadable(const PhotoFile& photo, const std::string& reason) {
+    return {ErrorCode::kUnreadable, printable(photo.name) + ": " + reason};
+}
 
 Result<std::vector<std::uint8_t>> read_file_bytes(const PhotoFile& photo, std::uint64_t max_bytes) {
     // O_NONBLOCK: opening a pipe must not wait for its writer.

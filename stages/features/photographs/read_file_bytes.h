@@ -3,12 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "graph/result.h"
 #include "stages/features/photographs/photo_file.h"
 
 namespace psfm {
+
+/// kUnreadable, with the photograph's name and why it is refused.
+Error unreadable(const PhotoFile& photo, const std::string& reason);
 
 /// All bytes of a regular file. Never blocks on pipes or devices: only regular files are read.
 /// @errors kIo: missing, no permission, or the system cannot read it; kUnreadable: a folder, no

@@ -19,10 +19,6 @@
 namespace psfm {
 namespace {
 
-Error unreadable(const PhotoFile& photo, const std::string& reason) {
-    return {ErrorCode::kUnreadable, printable(photo.name) + ": " + reason};
-}
-
 std::string size_text(const PhotoSize& size) {
     return std::to_string(size.width) + "x" + std::to_string(size.height);
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/algorithms/math/cauchy.h"
+
 namespace psfm {
 namespace {
 
@@ -13,17 +15,10 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix37 = Eigen::Matrix<double, 3, 7>;
 
-/// Mathematics: residuals in standard deviations where Cauchy's loss bends: 95 % efficient on
-/// Gaussians.
-constexpr double kCauchy = 2.385;
 /// Guard: standard deviation of the mean height [m] when no altitude is known: it has to be
 /// somewhere.
 constexpr double kUnknownHeight = 10.0;
 constexpr int kMaxSteps = 50;  // Guard: ends the loop
-
-double squared(double x) {
-    return x * x;
-}
 
 double cauchy_cost(double squared_residual) {
     return squared(kCauchy) * std::log1p(squared_residual / squared(kCauchy));

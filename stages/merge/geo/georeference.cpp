@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "stages/algorithms/alignment/estimate_sim3.h"
+#include "stages/algorithms/math/cauchy.h"
 
 namespace psfm {
 namespace {
@@ -20,10 +21,6 @@ namespace {
 constexpr std::size_t kJudges = 500;
 /// Guard: draws for one sample before it is given up: photographs taken in one place say nothing.
 constexpr int kDraws = 20;
-
-double squared(double x) {
-    return x * x;
-}
 
 bool is_inlier(const LocatedCamera& camera, const Sim3& sim, const GeoreferenceOptions& options) {
     const Eigen::Vector3d difference = sim * camera.centre - camera.enu;

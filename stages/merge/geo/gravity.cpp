@@ -9,23 +9,16 @@
 #include <vector>
 
 #include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/cauchy.h"
 
 namespace psfm {
 namespace {
-
-/// Mathematics: residuals in standard deviations at which Cauchy's weight is a half: 95 % efficient
-/// on Gaussians.
-constexpr double kCauchy = 2.385;
 
 struct Axes {
     Eigen::Vector3d up;
     Eigen::Vector3d right;
     Eigen::Vector3d forward;
 };
-
-double squared(double x) {
-    return x * x;
-}
 
 /// Sum of the axes' outer products, weighed by how well they agree with `up`.
 Eigen::Matrix3d scatter(std::span<const Axes> cameras, const Eigen::Vector3d& up, double roll_sigma,

@@ -75,20 +75,20 @@ class RotationCheck {
 };
 
 /// Where a model belongs beside another one.
-struct Placement {
+struct PartPlacement {
     std::optional<Sim3> base_from_part;  ///< none: no similarity is believed
     bool is_asked = false;               ///< some edge has points enough to say
 };
 
-Placement place_beside(const Reconstruction& base, const Reconstruction& part,
-                       const SolveContext& context) {
+PartPlacement place_beside(const Reconstruction& base, const Reconstruction& part,
+                           const SolveContext& context) {
     const std::vector<VerifiedPairPtr> edges = edges_between(context.graph, base, part);
     if (edges.empty()) return {};
     const ClusterIndex part_index(part, images_of(part));
     const ClusterIndex base_index(base, images_of(base));
     const ClusterConstraint constraint =
         estimate_cluster_constraint(part_index, base_index, edges, context.options.transfer);
-    Placement placement{std::nullopt, constraint.edges_tried > 0};
+    PartPlacement placement{std::nullopt, constraint.edges_tried > 0};
     const RotationCheck check(context.problem, context.graph,
                               context.options.max_contradiction_deg);
     if (constraint.accepted() && check.agrees(base, part, constraint.b_from_a, edges))
@@ -115,7 +115,7 @@ Recycling join_models(WorkingModel& model, std::vector<Reconstruction> parts,
         const Reconstruction base = model.save();
         for (std::size_t p = 0; p < parts.size(); ++p) {
             const Reconstruction& part = parts[p];
-            const Placement placement = place_beside(base, part, context);
+            const PartPlacement placement = place_beside(base, part, context);
             is_asked[p] = placement.is_asked;
             if (!placement.base_from_part) continue;
             model.append(part, *placement.base_from_part);

@@ -78,14 +78,14 @@ Error too_few(const WorkingModel& model, const SolveOptions& options) {
 }
 
 /// Images with poses from rotations and directions.
-struct Placement {
+struct GlobalPlacement {
     GlobalStart start;
     std::vector<VerifiedPairPtr> pairs;  ///< those that agree with the poses
 };
 
-Result<Placement> place_images(WorkingModel& model, const ClusterProblem& problem,
-                               const std::vector<VerifiedPairPtr>& pairs,
-                               const SolveOptions& options) {
+Result<GlobalPlacement> place_images(WorkingModel& model, const ClusterProblem& problem,
+                                     const std::vector<VerifiedPairPtr>& pairs,
+                                     const SolveOptions& options) {
     const auto rotations = refined_rotations(model, pairs, options);
     if (!rotations.ok()) return rotations.error();
     const GlobalDirections directions =
@@ -98,7 +98,7 @@ Result<Placement> place_images(WorkingModel& model, const ClusterProblem& proble
     const auto positions = average_positions(kept, directions.node_count, options.global.positions);
     if (!positions.ok()) return positions.error();
 
-    Placement placement;
+    GlobalPlacement placement;
     placement.start.directions = static_cast<std::uint32_t>(directions.pairs.size());
     placement.start.noise_deg = positions->noise_deg;
     for (std::size_t k = 0; k < kept.size() && filter->kept[k] < directions.pairs.size(); ++k) {

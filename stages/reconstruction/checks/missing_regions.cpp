@@ -20,7 +20,7 @@ struct SeenPoint {
     double distance = 0.0;
 };
 
-struct View {
+struct RegionView {
     const RegisteredImage* image = nullptr;
     const Camera* camera = nullptr;
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -43,8 +43,8 @@ std::uint32_t region_of(const Eigen::Vector2d& pixel, const Camera& camera, std:
     return along(pixel.y(), camera.height) * grid + along(pixel.x(), camera.width);
 }
 
-std::vector<View> views_of(const Reconstruction& model, const DoubtOptions& options) {
-    std::vector<View> views(model.images.size());
+std::vector<RegionView> region_views_of(const Reconstruction& model, const DoubtOptions& options) {
+    std::vector<RegionView> views(model.images.size());
     std::vector<std::uint32_t> position_of;
     for (std::uint32_t i = 0; i < model.images.size(); ++i) {
         const RegisteredImage& image = model.images[i];
@@ -57,7 +57,7 @@ std::vector<View> views_of(const Reconstruction& model, const DoubtOptions& opti
     for (const ScenePoint& point : model.points) {
         if (point.track.size() < options.min_track) continue;
         for (const Observation& observation : point.track) {
-            View& view = views[position_of[index_of(observation.image)]];
+            RegionView& view = views[position_of[index_of(observation.image)]];
             const Eigen::Vector3d in_camera = view.image->cam_from_cluster * point.position;
             const auto pixel = project(*view.camera, in_camera);
             if (!pixel) continue;
@@ -68,13 +68,9 @@ std::vector<View> views_of(const Reconstruction& model, const DoubtOptions& opti
     return views;
 }
 
-bool sees(const ScenePoint& point, ImageId image) {
-    const auto found = std::ranges::lower_bound(point.track, image, {}, &Observation::image);
-    return found != point.track.end() && found->image == image;
-}
-
 /// What `one` has seen, in the regions of `other`.
-std::vector<Region> expect(const View& one, const View& other, const DoubtOptions& options) {
+std::vector<Region> expect(const RegionView& one, const RegionView& other,
+                           const DoubtOptions& options) {
     std::vector<Region> regions(std::size_t{options.grid} * options.grid);
     const double min_cosine = std::cos(radians_from_degrees(options.max_angle_deg));
     const double focal = other.camera->mean_focal() / one.camera->mean_focal();
@@ -93,7 +89,7 @@ std::vector<Region> expect(const View& one, const View& other, const DoubtOption
         Region& region = regions[region_of(*pixel, *other.camera, options.grid)];
         ++region.expected;
         region.depth += in_camera.z();
-        if (sees(*seen.point, other.image->image)) ++region.shared;
+        if (seen.point->is_seen_by(other.image->image)) ++region.shared;
     }
     for (Region& region : regions) region.depth /= std::max(1U, region.expected);
     for (const SeenPoint& own : other.seen) {
@@ -103,8 +99,8 @@ std::vector<Region> expect(const View& one, const View& other, const DoubtOption
     return regions;
 }
 
-ComparedPair compare(const std::vector<View>& views, std::uint32_t first, std::uint32_t second,
-                     const DoubtOptions& options) {
+ComparedPair compare_regions(const std::vector<RegionView>& views, std::uint32_t first,
+                             std::uint32_t second, const DoubtOptions& options) {
     ComparedPair pair{first, second, 0, 0};
     std::vector<Region> regions = expect(views[first], views[second], options);
     const std::vector<Region> back = expect(views[second], views[first], options);
@@ -133,13 +129,13 @@ ComparedPair compare(const std::vector<View>& views, std::uint32_t first, std::u
 
 std::vector<ComparedPair> compare_by_region(const Reconstruction& model,
                                             const DoubtOptions& options) {
-    const std::vector<View> views = views_of(model, options);
+    const std::vector<RegionView> views = region_views_of(model, options);
     std::vector<ComparedPair> pairs;
     for (std::uint32_t i = 0; i < views.size(); ++i) {
         for (std::uint32_t j = i + 1; j < views.size(); ++j) pairs.push_back({i, j, 0, 0});
     }
     in_parallel(pairs.size(), 8, [&](std::size_t k) {
-        pairs[k] = compare(views, pairs[k].first, pairs[k].second, options);
+        pairs[k] = compare_regions(views, pairs[k].first, pairs[k].second, options);
     });
     std::erase_if(pairs, [](const ComparedPair& pair) { return pair.regions == 0; });
     return pairs;

@@ -16,7 +16,7 @@ namespace psfm {
 namespace {
 
 /// An image, and what it has seen that others are expected to see.
-struct View {
+struct SideView {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();  ///< unit, in the cluster
     const Camera* camera = nullptr;
@@ -24,7 +24,7 @@ struct View {
     double median_depth = 0.0;  ///< 0: it has seen nothing
 };
 
-double median_depth(const View& view) {
+double median_depth(const SideView& view) {
     std::vector<double> depths;
     depths.reserve(view.points.size());
     for (const ScenePoint* point : view.points)
@@ -34,8 +34,8 @@ double median_depth(const View& view) {
 }
 
 /// Of an image that has seen nothing yet.
-View view_of(const Reconstruction& model, const RegisteredImage& image) {
-    View view;
+SideView side_view_of(const Reconstruction& model, const RegisteredImage& image) {
+    SideView view;
     view.centre = image.cam_from_cluster.target_origin_in_source();
     view.ahead = image.cam_from_cluster.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     view.camera = &model.cameras.at(image.camera);
@@ -62,11 +62,11 @@ std::vector<std::uint32_t> positions_by_id(const Reconstruction& model) {
 }
 
 /// Of every `step`-th point.
-std::vector<View> views_of(const Reconstruction& model, std::uint32_t step,
-                           const PlaceOptions& options) {
-    std::vector<View> views;
+std::vector<SideView> side_views_of(const Reconstruction& model, std::uint32_t step,
+                                    const PlaceOptions& options) {
+    std::vector<SideView> views;
     views.reserve(model.images.size());
-    for (const RegisteredImage& image : model.images) views.push_back(view_of(model, image));
+    for (const RegisteredImage& image : model.images) views.push_back(side_view_of(model, image));
     const std::vector<std::uint32_t> positions = positions_by_id(model);
     for (std::uint32_t p = step / 2; p < model.points.size(); p += step) {
         const ScenePoint& point = model.points[p];
@@ -97,9 +97,9 @@ double min_cosine(const PlaceOptions& options) {
 }
 
 /// Images side by side with one: the nearest of them.
-std::vector<std::uint32_t> neighbors_of(std::uint32_t own, const std::vector<View>& views,
+std::vector<std::uint32_t> neighbors_of(std::uint32_t own, const std::vector<SideView>& views,
                                         const KdTree& centres, const PlaceOptions& options) {
-    const View& view = views[own];
+    const SideView& view = views[own];
     Nearby near;
     for (const std::uint32_t other :
          centres.nearer_than(view.centre, options.max_offset * view.median_depth)) {
@@ -112,7 +112,7 @@ std::vector<std::uint32_t> neighbors_of(std::uint32_t own, const std::vector<Vie
 }
 
 /// The same by the depths that the one sees alone; for few images, since all others are looked at.
-std::vector<std::uint32_t> neighbors_by_own_depth(std::uint32_t own, const View& view,
+std::vector<std::uint32_t> neighbors_by_own_depth(std::uint32_t own, const SideView& view,
                                                   const Reconstruction& model,
                                                   const std::vector<Eigen::Vector3d>& centres,
                                                   const PlaceOptions& options) {
@@ -121,15 +121,10 @@ std::vector<std::uint32_t> neighbors_by_own_depth(std::uint32_t own, const View&
     for (std::uint32_t other = 0; other < centres.size(); ++other) {
         const double squared_distance = (centres[other] - view.centre).squaredNorm();
         if (other == own || squared_distance >= reach * reach) continue;
-        if (view.ahead.dot(view_of(model, model.images[other]).ahead) >= min_cosine(options))
+        if (view.ahead.dot(side_view_of(model, model.images[other]).ahead) >= min_cosine(options))
             near.emplace_back(std::sqrt(squared_distance), other);
     }
     return nearest_of(std::move(near), options);
-}
-
-bool sees(const ScenePoint& point, ImageId image) {
-    const auto found = std::ranges::lower_bound(point.track, image, {}, &Observation::image);
-    return found != point.track.end() && found->image == image;
 }
 
 /// Adds what an image should see of what another one has seen, each point `weight` times.
@@ -142,12 +137,12 @@ void count(std::span<const ScenePoint* const> seen, const Camera& camera,
         if (!pixel || (pixel->array() < margin).any() || (pixel->array() > size - margin).any())
             continue;
         pair.expected += weight;
-        if (sees(*point, image.image)) pair.shared += weight;
+        if (point->is_seen_by(image.image)) pair.shared += weight;
     }
 }
 
-void count_all(const Reconstruction& model, const std::vector<View>& views, std::uint32_t weight,
-               double margin, std::vector<SideBySide>& pairs) {
+void count_all(const Reconstruction& model, const std::vector<SideView>& views,
+               std::uint32_t weight, double margin, std::vector<SideBySide>& pairs) {
     in_parallel(pairs.size(), 16, [&](std::size_t k) {
         SideBySide& pair = pairs[k];
         const std::uint32_t first = pair.first;
@@ -164,10 +159,10 @@ void count_all(const Reconstruction& model, const std::vector<View>& views, std:
 std::vector<SideBySide> find_side_by_side(const Reconstruction& model, const PlaceOptions& options,
                                           std::uint32_t points_per_image) {
     const std::uint32_t step = step_for(model, points_per_image);
-    const std::vector<View> views = views_of(model, step, options);
+    const std::vector<SideView> views = side_views_of(model, step, options);
     std::vector<Eigen::Vector3d> centres;
     centres.reserve(views.size());
-    for (const View& view : views) centres.push_back(view.centre);
+    for (const SideView& view : views) centres.push_back(view.centre);
     const KdTree tree(std::move(centres));
 
     std::vector<std::vector<std::uint32_t>> neighbors(views.size());
@@ -195,7 +190,7 @@ std::vector<SideBySide> count_all_points(const Reconstruction& model, const Plac
     std::vector<SideBySide> counted;
     counted.reserve(pairs.size());
     for (const SideBySide& pair : pairs) counted.push_back({pair.first, pair.second, 0, 0});
-    count_all(model, views_of(model, 1, options), 1, options.margin, counted);
+    count_all(model, side_views_of(model, 1, options), 1, options.margin, counted);
     std::erase_if(counted,
                   [&](const SideBySide& pair) { return pair.expected < options.min_expected; });
     return counted;
@@ -204,8 +199,9 @@ std::vector<SideBySide> count_all_points(const Reconstruction& model, const Plac
 bool stand_beside_strangers(const Reconstruction& model, const ScenePoints& seen,
                             std::span<const ImageId> images, double max_shared_part,
                             const PlaceOptions& options) {
-    std::map<ImageId, View> asked;
-    for (const ImageId image : images) asked.emplace(image, view_of(model, *model.find(image)));
+    std::map<ImageId, SideView> asked;
+    for (const ImageId image : images)
+        asked.emplace(image, side_view_of(model, *model.find(image)));
     for (const ScenePoint& point : seen) {
         if (point.track.size() < options.min_track) continue;
         for (const Observation& observation : point.track) {

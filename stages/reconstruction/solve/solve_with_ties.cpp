@@ -14,13 +14,13 @@ namespace {
 /// Guard: fewer views hardly determine focal lengths.
 constexpr std::size_t kImagesToJudge = 4;
 
-bool shows_places(const SolveAttempt& attempt) {
+bool has_places(const SolveAttempt& attempt) {
     return attempt.places && !attempt.places->empty();
 }
 
 bool is_due(const SolveAttempt& attempt, const ClusterProblem& problem, const SolvePolicy& policy) {
     const std::size_t placed = attempt.model.images.size();
-    if (placed < kImagesToJudge || shows_places(attempt)) return false;
+    if (placed < kImagesToJudge || has_places(attempt)) return false;
     return plan_solve(problem, attempt.state, placed, policy).due.ties;
 }
 
@@ -71,7 +71,7 @@ Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveO
     if (problem.alike.empty() || problem.fix_intrinsics) return attempt_solve(problem);
     CameraTies ties = recycled_ties(problem);
     auto attempt = attempt_solve(tied(problem, ties));
-    if (!attempt.ok() || shows_places(*attempt)) return attempt;
+    if (!attempt.ok() || has_places(*attempt)) return attempt;
     // Lenses that differ much keep images out of a model that has one for all.
     const std::size_t placed = attempt->model.images.size();
     if (is_new(*attempt) && 4 * placed < 3 * problem.images.size() && ties != untied(problem)) {
@@ -79,7 +79,7 @@ Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveO
         apart.recycled.clear();
         auto fresh = attempt_solve(apart);
         if (!fresh.ok() && fresh.error().code == ErrorCode::kCancelled) return fresh;
-        if (fresh.ok() && !shows_places(*fresh) && fresh->model.images.size() > placed) {
+        if (fresh.ok() && !has_places(*fresh) && fresh->model.images.size() > placed) {
             fresh->statistics.reset = attempt->statistics.reset;
             attempt = std::move(fresh);
             ties = untied(problem);

@@ -189,6 +189,12 @@ Result<void> add_all_features(const KeypointsProvider& provider, FeatureUse use,
 
 }  // namespace
 
+const Image* find_session_image(std::span<const Image> images, std::uint32_t exported_id) {
+    const auto id = static_cast<ImageId>(exported_id - 1);
+    const auto found = std::ranges::lower_bound(images, id, {}, &Image::id);
+    return found != images.end() && found->id == id ? &*found : nullptr;
+}
+
 Result<std::vector<ExportedModel>> export_models(const Scene& scene, std::span<const Image> images,
                                                  const KeypointsProvider& keypoints,
                                                  FeatureUse use) {

@@ -25,6 +25,10 @@ enum class FeatureUse {
     kNone,         ///< features are not asked for: points are grey, images carry none
 };
 
+/// The image of the session that an exported one is; null: none of it.
+/// @param images  ascending by id
+const Image* find_session_image(std::span<const Image> images, std::uint32_t exported_id);
+
 /// One neutral model an effective cluster of a scene, most images first (ties: lower effective
 /// cluster). Poses and points are taken from their clusters' frames into the common world
 /// (world_from_cluster).

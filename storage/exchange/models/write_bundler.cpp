@@ -6,7 +6,7 @@
 namespace psfm {
 namespace {
 
-void write_camera(const ExportedImage& image, const Camera& camera, OutputFile& file) {
+void write_bundler_camera(const ExportedImage& image, const Camera& camera, OutputFile& file) {
     const auto [k1, k2] = radial_distortion(camera);
     file.numbers(camera.mean_focal(), k1, k2);
     file.text("\n");
@@ -23,7 +23,7 @@ void write_camera(const ExportedImage& image, const Camera& camera, OutputFile& 
     file.text("\n");
 }
 
-void write_point(const ExportedModel& model, const ExportedPoint& point, OutputFile& file) {
+void write_bundler_point(const ExportedModel& model, const ExportedPoint& point, OutputFile& file) {
     file.numbers(point.position.x(), point.position.y(), point.position.z());
     file.text("\n");
     file.numbers(point.rgb[0], point.rgb[1], point.rgb[2]);
@@ -58,9 +58,9 @@ Result<void> stage_bundler(const ExportedModel& model, const std::filesystem::pa
         file.numbers(model.images.size(), model.points.size());
         file.text("\n");
         for (const ExportedImage& image : model.images) {
-            write_camera(image, model.find_camera(image.camera_id)->camera, file);
+            write_bundler_camera(image, model.find_camera(image.camera_id)->camera, file);
         }
-        for (const ExportedPoint& point : model.points) write_point(model, point, file);
+        for (const ExportedPoint& point : model.points) write_bundler_point(model, point, file);
     });
     if (!written.ok()) return written.error();
     return files.write(place / "list.txt", [&](OutputFile& file) {

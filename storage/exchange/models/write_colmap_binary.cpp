@@ -5,7 +5,7 @@
 namespace psfm {
 namespace {
 
-void write_cameras(const ExportedModel& model, OutputFile& file) {
+void write_cameras_binary(const ExportedModel& model, OutputFile& file) {
     file.little_endian(static_cast<std::uint64_t>(model.cameras.size()));
     for (const auto& [id, camera] : model.cameras) {
         file.little_endian(id);
@@ -18,7 +18,7 @@ void write_cameras(const ExportedModel& model, OutputFile& file) {
     }
 }
 
-void write_images(const ExportedModel& model, OutputFile& file) {
+void write_images_binary(const ExportedModel& model, OutputFile& file) {
     file.little_endian(static_cast<std::uint64_t>(model.images.size()));
     for (const ExportedImage& image : model.images) {
         file.little_endian(image.id);
@@ -39,7 +39,7 @@ void write_images(const ExportedModel& model, OutputFile& file) {
     }
 }
 
-void write_points(const ExportedModel& model, OutputFile& file) {
+void write_points_binary(const ExportedModel& model, OutputFile& file) {
     file.little_endian(static_cast<std::uint64_t>(model.points.size()));
     for (const ExportedPoint& point : model.points) {
         file.little_endian(point.id);
@@ -61,9 +61,11 @@ Result<void> stage_colmap_binary(const ExportedModel& model, const std::filesyst
     const auto write = [&](const char* name, auto write_part) {
         return files.write(place / name, [&](OutputFile& file) { write_part(model, file); });
     };
-    if (auto written = write("cameras.bin", write_cameras); !written.ok()) return written.error();
-    if (auto written = write("images.bin", write_images); !written.ok()) return written.error();
-    return write("points3D.bin", write_points);
+    if (auto written = write("cameras.bin", write_cameras_binary); !written.ok())
+        return written.error();
+    if (auto written = write("images.bin", write_images_binary); !written.ok())
+        return written.error();
+    return write("points3D.bin", write_points_binary);
 }
 
 }  // namespace psfm

@@ -5,7 +5,7 @@
 namespace psfm {
 namespace {
 
-void write_cameras(const ExportedModel& model, OutputFile& file) {
+void write_cameras_text(const ExportedModel& model, OutputFile& file) {
     file.text("# Camera list with one line of data per camera:\n");
     file.text("#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n");
     for (const auto& [id, camera] : model.cameras) {
@@ -20,7 +20,7 @@ void write_cameras(const ExportedModel& model, OutputFile& file) {
     }
 }
 
-void write_images(const ExportedModel& model, OutputFile& file) {
+void write_images_text(const ExportedModel& model, OutputFile& file) {
     file.text("# Image list with two lines of data per image:\n");
     file.text("#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n");
     file.text("#   POINTS2D[] as (X, Y, POINT3D_ID)\n");
@@ -43,7 +43,7 @@ void write_images(const ExportedModel& model, OutputFile& file) {
     }
 }
 
-void write_points(const ExportedModel& model, OutputFile& file) {
+void write_points_text(const ExportedModel& model, OutputFile& file) {
     file.text("# 3D point list with one line of data per point:\n");
     file.text("#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n");
     for (const ExportedPoint& point : model.points) {
@@ -72,9 +72,11 @@ Result<void> stage_colmap_text(const ExportedModel& model, const std::filesystem
     const auto write = [&](const char* name, auto write_part) {
         return files.write(place / name, [&](OutputFile& file) { write_part(model, file); });
     };
-    if (auto written = write("cameras.txt", write_cameras); !written.ok()) return written.error();
-    if (auto written = write("images.txt", write_images); !written.ok()) return written.error();
-    return write("points3D.txt", write_points);
+    if (auto written = write("cameras.txt", write_cameras_text); !written.ok())
+        return written.error();
+    if (auto written = write("images.txt", write_images_text); !written.ok())
+        return written.error();
+    return write("points3D.txt", write_points_text);
 }
 
 }  // namespace psfm

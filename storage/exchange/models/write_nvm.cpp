@@ -12,7 +12,7 @@ std::string nvm_name(std::string name) {
     return name;
 }
 
-void write_camera(const ExportedImage& image, const Camera& camera, OutputFile& file) {
+void write_nvm_camera(const ExportedImage& image, const Camera& camera, OutputFile& file) {
     const Eigen::Quaterniond& rotation = image.cam_from_world.rotation;
     const Eigen::Vector3d centre = image.cam_from_world.target_origin_in_source();
     file.text(nvm_name(image.name));
@@ -22,7 +22,7 @@ void write_camera(const ExportedImage& image, const Camera& camera, OutputFile& 
     file.text("0\n");
 }
 
-void write_point(const ExportedModel& model, const ExportedPoint& point, OutputFile& file) {
+void write_nvm_point(const ExportedModel& model, const ExportedPoint& point, OutputFile& file) {
     file.numbers(point.position.x(), point.position.y(), point.position.z(), point.rgb[0],
                  point.rgb[1], point.rgb[2]);
     const auto observations = placed_observations(model, point);
@@ -55,12 +55,12 @@ Result<void> stage_nvm(const ExportedModel& model, const std::filesystem::path& 
         file.number(static_cast<std::uint64_t>(model.images.size()));
         file.text("\n");
         for (const ExportedImage& image : model.images) {
-            write_camera(image, model.find_camera(image.camera_id)->camera, file);
+            write_nvm_camera(image, model.find_camera(image.camera_id)->camera, file);
         }
         file.text("\n");
         file.number(static_cast<std::uint64_t>(model.points.size()));
         file.text("\n");
-        for (const ExportedPoint& point : model.points) write_point(model, point, file);
+        for (const ExportedPoint& point : model.points) write_nvm_point(model, point, file);
         file.text("\n0\n");  // no further model follows
     });
 }
