@@ -49,7 +49,7 @@ std::uint32_t masked_checksum(std::string_view bytes) {
     return ((checksum >> 15U) | (checksum << 17U)) + 0xa282ead8U;
 }
 
-std::uint32_t number_at(std::string_view bytes, std::size_t at, int size) {
+std::uint32_t log_number_at(std::string_view bytes, std::size_t at, int size) {
     std::uint32_t number = 0;
     for (int i = size - 1; i >= 0; --i)
         number =
@@ -65,10 +65,10 @@ std::uint8_t type_at(std::string_view log, std::size_t at) {
 std::optional<std::size_t> end_of_record(std::string_view log, std::size_t at) {
     const std::size_t block_end = std::min(log.size(), (at / kBlockSize + 1) * kBlockSize);
     if (at + kHeaderSize > block_end) return std::nullopt;
-    const std::size_t end = at + kHeaderSize + number_at(log, at + 4, 2);
+    const std::size_t end = at + kHeaderSize + log_number_at(log, at + 4, 2);
     if (end > block_end || type_at(log, at) < kFull || type_at(log, at) > kLast)
         return std::nullopt;
-    if (masked_checksum(log.substr(at + 6, end - at - 6)) != number_at(log, at, 4))
+    if (masked_checksum(log.substr(at + 6, end - at - 6)) != log_number_at(log, at, 4))
         return std::nullopt;
     return end;
 }

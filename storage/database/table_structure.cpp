@@ -36,7 +36,7 @@ struct BlockHandle {
     std::uint64_t size = 0;
 };
 
-std::uint64_t number_at(std::string_view bytes, std::size_t at, std::size_t size) {
+std::uint64_t table_number_at(std::string_view bytes, std::size_t at, std::size_t size) {
     std::uint64_t number = 0;
     for (std::size_t i = size; i-- > 0;)
         number = (number << 8U) | static_cast<std::uint8_t>(bytes[at + i]);
@@ -74,8 +74,8 @@ std::optional<std::string> read_at(std::ifstream& file, std::uint64_t offset, st
 std::optional<BlockHandle> list_of_meta_blocks(std::ifstream& file, std::uint64_t file_size) {
     if (file_size < kFooterSize) return std::nullopt;
     const auto footer = read_at(file, file_size - kFooterSize, kFooterSize);
-    if (!footer || number_at(*footer, kMagicAt, 8) != kMagic ||
-        number_at(*footer, kFormatAt, 4) != kFormat || footer->front() != kXxh3)
+    if (!footer || table_number_at(*footer, kMagicAt, 8) != kMagic ||
+        table_number_at(*footer, kFormatAt, 4) != kFormat || footer->front() != kXxh3)
         return std::nullopt;
     std::string_view handles = std::string_view(*footer).substr(1);
     return take_handle(handles);
@@ -124,7 +124,7 @@ bool has_damaged_properties(const std::filesystem::path& table) {
     if (!block) return false;
     const std::string_view content = std::string_view(*block).substr(0, properties->size);
     return checksum_of(content, (*block)[properties->size]) !=
-           number_at(*block, properties->size + 1, 4);
+           table_number_at(*block, properties->size + 1, 4);
 }
 
 std::vector<std::filesystem::path> damaged_tables(const std::filesystem::path& folder) {

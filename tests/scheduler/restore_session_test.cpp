@@ -33,7 +33,6 @@ Result<RestoredSession> restored_with(const std::string& state_json) {
     SessionConfig config;
     StageOptions options = *stage_options(config);
     options.solve.policy.mu_min = kImages;
-    options.clustering.mu_min = kImages;
     return restore_session(*store, config, options);
 }
 

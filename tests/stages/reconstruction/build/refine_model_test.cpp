@@ -193,7 +193,7 @@ TEST(RefineLocally, SaysWhereThereIsNoSolution) {
     ASSERT_TRUE(before.ok());
     EXPECT_GT(*before, 0U);
     // Behind the camera, as far as it was before it.
-    const Eigen::Vector3d center = wall.model->pose(kImage).center();
+    const Eigen::Vector3d center = wall.model->pose(kImage).target_origin_in_source();
     for (const std::uint32_t point : seen)
         wall.model->set_position(point, 2.0 * center - wall.model->points()[point].position);
     for (const auto& adjusted :
@@ -227,7 +227,7 @@ TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
 TEST(Adjust, HoldsPointsOfLongTracksWhereOneImageIsAdded) {
     const SceneModel wall(noisy_wall(6));
     const std::vector<std::uint32_t> added{20};
-    AdjustmentScope scope = local_scope(*wall.model, added, 5, false);
+    AdjustmentScope scope = local_scope(*wall.model, added, 5, 15, false);
     EXPECT_EQ(scope.longest_moving_track, 15U);
     EXPECT_EQ(full_scope(*wall.model, false).longest_moving_track, 0U) << "all move";
     scope.longest_moving_track = 3;

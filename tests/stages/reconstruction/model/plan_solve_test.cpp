@@ -239,8 +239,8 @@ TEST(PlanSolve, SizesThatMakeNoSenseAreRefused) {
     EXPECT_TRUE(validate(SolvePolicy{}).ok());
     EXPECT_TRUE(validate(without_sizes()).ok());
     EXPECT_FALSE(validate(SolvePolicy{.mu_min = 1}).ok());
-    EXPECT_FALSE(validate(SolvePolicy{.full_adjustment = {0, 0.0}}).ok());
-    EXPECT_FALSE(validate(SolvePolicy{.places = {0, -0.1}}).ok());
+    EXPECT_FALSE(validate(SolvePolicy{.full_adjustment = {0.0}}).ok());
+    EXPECT_FALSE(validate(SolvePolicy{.places = {-0.1}}).ok());
 }
 
 }  // namespace

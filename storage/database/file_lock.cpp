@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "storage/database/file_lock.h"
+
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -12,7 +14,6 @@
 #include <string>
 #include <thread>
 
-#include "storage/database/file_lock.h"
 #include "storage/database/session_folder.h"
 #include "storage/database/system_error.h"
 
