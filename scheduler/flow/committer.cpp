@@ -104,7 +104,7 @@ Result<MergeMessage> Committer::problem_of_merge() {
     const auto awake = state_.models.use(seen, state_.clusters, *store_);
     if (!awake.ok()) return awake.error();
     for (MergeCluster& cluster : problem->clusters)
-        cluster.model = state_.clusters.entries().at(cluster.id).model;
+        cluster.model = state_.clusters.entries().at(cluster.id).published.model;
     return MergeMessage{problem,
                         std::make_shared<std::vector<UnplacedImage>>(*std::move(unplaced))};
 }
@@ -163,14 +163,14 @@ bool Committer::more_to_come() const {
 StoredCluster Committer::stored(const ClusterEntry& entry) const {
     StoredCluster cluster;
     cluster.id = entry.id;
-    cluster.members = entry.members;
-    cluster.topology = entry.topology;
-    cluster.solved_topology = entry.solved_topology;
-    cluster.revision = entry.revision;
-    cluster.transfer_topology = entry.transfer_topology;
+    cluster.members = entry.membership.members;
+    cluster.topology = entry.membership.topology;
+    cluster.solved_topology = entry.published.topology;
+    cluster.revision = entry.published.revision;
+    cluster.transfer_topology = entry.material.transfer_topology;
     cluster.adopted = state_.clusters.adopted_by(entry);
-    cluster.apart = apart_pairs_of(state_.edges, entry.members);
-    for (const auto& [source, revision] : entry.brought) {
+    cluster.apart = apart_pairs_of(state_.edges, entry.membership.members);
+    for (const auto& [source, revision] : entry.material.brought) {
         if (source != entry.id) cluster.recycled.push_back({source, revision});
     }
     return cluster;

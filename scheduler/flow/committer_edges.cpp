@@ -61,7 +61,7 @@ Result<bool> Committer::forget_places() {
     if (std::exchange(places_forgotten_at_, state_.verified) == state_.verified) return false;
     if (state_.edges.apart_count == 0) return false;
     const bool is_settled = std::ranges::all_of(state_.clusters.entries(), [](const auto& entry) {
-        return !entry.second.model || entry.second.settled;
+        return !entry.second.published.model || entry.second.published.settled;
     });
     if (is_settled) return false;  // nothing has come since it was asked last
     PlaceVerdict verdict;
@@ -138,7 +138,7 @@ std::vector<ClusterId> Committer::clusters_resting_on(std::span<const ImagePair>
     for (const ImagePair& pair : removed) {
         const ClusterEntry& entry = state_.clusters.of(pair.first);
         const bool inside = entry.id == state_.clusters.of(pair.second).id;
-        if (inside && !entry.material.empty() && !except.contains(entry.id))
+        if (inside && !entry.material.models.empty() && !except.contains(entry.id))
             clusters.insert(entry.id);
     }
     return {clusters.begin(), clusters.end()};
@@ -155,7 +155,7 @@ std::vector<ClusterId> Committer::update_hosts(std::span<const ImageId> touched,
     for (const ClusterMembers& cluster : edit.changed) {
         clusters.push_back(cluster.id);
         // A cluster that has just become large enough was in parts below mu_min before.
-        const bool is_new_host = state_.clusters.entries().at(cluster.id).revision == 0;
+        const bool is_new_host = state_.clusters.entries().at(cluster.id).published.revision == 0;
         if (!options_.solve.policy.makes_model(cluster.members.size()) || is_new_host) {
             changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
         }

@@ -81,9 +81,9 @@ std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
         const auto host = state_.clusters.entries().find(adoption.host);
         // What was found may be outdated: then the next merge tries again.
         const bool is_current = own.id == tried->tried_by && own.phase == ClusterPhase::kClean &&
-                                (!own.model || own.model->find(adoption.image) == nullptr) &&
+                                (!own.published.model || own.published.model->find(adoption.image) == nullptr) &&
                                 host != state_.clusters.entries().end() &&
-                                options_.solve.policy.makes_model(host->second.members.size());
+                                options_.solve.policy.makes_model(host->second.membership.members.size());
         if (!is_current) continue;
         tell(describe_adoption(adoption, own.id, state_.images[index_of(adoption.image)].name));
         state_.clusters.adopt(adoption.image, adoption.host);
@@ -122,8 +122,8 @@ void Committer::report_published(const MergeProblem& problem, double merge_ms,
         if (merged == problem.clusters.end() || merged->id != entry.id) continue;
         // Placed, though the cluster may be solved again for the sake of others; or tried in vain.
         const bool placed = merged->model && merged->model->find(image) != nullptr;
-        const bool tried = merged->revision == entry.revision &&
-                           (merged->model == nullptr) == (entry.model == nullptr) &&
+        const bool tried = merged->revision == entry.published.revision &&
+                           (merged->model == nullptr) == (entry.published.model == nullptr) &&
                            entry.phase == ClusterPhase::kClean;
         if (!placed && !tried) continue;
         pending.published = true;

@@ -14,7 +14,7 @@ Result<void> Committer::on(const CatchUp& /*message*/, CommitOutput& /*output*/)
     for (const auto& [id, entry] : clusters) {
         if (is_shown(entry, scene)) continue;
         changed_ = true;
-        settle_first_ = settle_first_ || entry.settled;
+        settle_first_ = settle_first_ || entry.published.settled;
     }
     for (std::uint32_t image = scene.image_count; image < state_.verified; ++image) {
         PendingImage pending;

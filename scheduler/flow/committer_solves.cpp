@@ -41,8 +41,8 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
     state_.keypoints.release([&](ImageId image) {
         if (index_of(image) >= state_.verified) return false;
         const ClusterEntry& entry = state_.clusters.of(image);
-        return entry.phase == ClusterPhase::kClean && entry.model &&
-               entry.model->find(image) != nullptr;
+        return entry.phase == ClusterPhase::kClean && entry.published.model &&
+               entry.published.model->find(image) != nullptr;
     });
     return {};
 }
@@ -138,9 +138,9 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
     }
     StoredSolution stored_solution;
     stored_solution.cluster = entry->id;
-    stored_solution.revision = entry->revision;
-    stored_solution.model = entry->model;
-    stored_solution.state_json = encode_solve_state({solution.state, entry->settled});
+    stored_solution.revision = entry->published.revision;
+    stored_solution.model = entry->published.model;
+    stored_solution.state_json = encode_solve_state({solution.state, entry->published.settled});
     stored_solution.succession = std::move(solution.succession);
     // What is found of places may change the clusters, and may be the end of this one.
     StoredCluster own = stored(*entry);

@@ -114,12 +114,12 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
                                                            bool conclude) {
     auto problem = std::make_shared<ClusterProblem>();
     problem->cluster = entry.id;
-    problem->topology = entry.topology;
-    for (const RecycledModel& recycled : entry.material)
+    problem->topology = entry.membership.topology;
+    for (const RecycledModel& recycled : entry.material.models)
         problem->recycled.push_back(recycled.model);
     std::ranges::stable_sort(problem->recycled, std::ranges::greater(),
                              [](const auto& model) { return model->images.size(); });
-    problem->recycled_state = entry.material_state;
+    problem->recycled_state = entry.material.state;
     problem->fix_intrinsics = config.fix_intrinsics;
     problem->settle = settle;
     problem->concluding = settle || conclude;
@@ -148,7 +148,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
 std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
-        problem->clusters.push_back({id, entry.revision, entry.model, entry.cameras});
+        problem->clusters.push_back({id, entry.published.revision, entry.published.model, entry.published.cameras});
     problem->pairs = state.merges.between.update(state.clusters, state.view_graph);
     problem->known = state.merges.constraints;
     problem->known_poses = state.merges.known_poses;
@@ -164,13 +164,13 @@ bool is_shown(const ClusterEntry& entry, const Scene& scene) {
     const auto shown = std::ranges::lower_bound(scene.clusters, entry.id, {},
                                                 [](const auto& cluster) { return cluster->id; });
     return shown != scene.clusters.end() && (*shown)->id == entry.id &&
-           (*shown)->revision == (entry.model ? entry.revision : 0);
+           (*shown)->revision == (entry.published.model ? entry.published.revision : 0);
 }
 
 std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config) {
     std::vector<UnplacedImage> unplaced;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        if (entry.phase != ClusterPhase::kClean || entry.revision == 0) continue;
+        if (entry.phase != ClusterPhase::kClean || entry.published.revision == 0) continue;
         for (const ImageId image_id : state.clusters.unplaced_of(entry)) {
             if (state.clusters.is_adopted(image_id)) continue;
             const Image& image = state.images[index_of(image_id)];
@@ -187,7 +187,7 @@ std::vector<UnplacedImage> unplaced_images(const SessionState& state, const Sess
             for (const ViewGraph::Edge& edge : state.view_graph.edges(image_id)) {
                 if (edge.weight == 0.0) continue;
                 const ClusterEntry& other = state.clusters.of(edge.neighbor);
-                if (!other.model || other.model->find(edge.neighbor) == nullptr) continue;
+                if (!other.published.model || other.published.model->find(edge.neighbor) == nullptr) continue;
                 candidate.edges.push_back({edge.pair, other.id});
                 elsewhere = elsewhere || other.id != id;
                 has_changed = has_changed || !is_shown(other, *state.scene);

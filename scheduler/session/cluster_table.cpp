@@ -23,7 +23,7 @@ std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
         const auto from = entries_.find(moved.from);
         if (from == entries_.end()) continue;
         std::vector<RecycledModel>& models = arriving[moved.to];
-        models.insert(models.end(), from->second.material.begin(), from->second.material.end());
+        models.insert(models.end(), from->second.material.models.begin(), from->second.material.models.end());
     }
     return arriving;
 }
@@ -35,7 +35,7 @@ std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& so
     auto part =
         std::make_shared<const Reconstruction>(restricted_to(*source.model, images_of(entry)));
     if (!makes_model(part->images.size())) return std::nullopt;
-    return RecycledModel{source.cluster, source.revision, std::move(part), entry.topology};
+    return RecycledModel{source.cluster, source.revision, std::move(part), entry.membership.topology};
 }
 
 /// Leaves of an entry's models what its images see. @return whether it lost some
@@ -47,12 +47,12 @@ bool ClusterTable::keep_members(ClusterEntry& entry) const {
         return true;
     };
     bool lost = false;
-    for (RecycledModel& recycled : entry.material) lost |= cut(recycled.model);
-    std::erase_if(entry.material, [&](const RecycledModel& recycled) {
+    for (RecycledModel& recycled : entry.material.models) lost |= cut(recycled.model);
+    std::erase_if(entry.material.models, [&](const RecycledModel& recycled) {
         return !makes_model(recycled.model->images.size());
     });
     // The published model would show images twice that are another cluster's by now.
-    if (std::shared_ptr<const Reconstruction> model = entry.model; model && cut(model))
+    if (std::shared_ptr<const Reconstruction> model = entry.published.model; model && cut(model))
         set_model(entry, !makes_model(model->images.size()) ? nullptr : std::move(model));
     return lost;
 }
@@ -63,8 +63,8 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
     for (const ClusterMembers& changed : edit.changed) {
         ClusterEntry& entry = entries_[changed.id];
         entry.id = changed.id;
-        entry.members = changed.members;
-        ++entry.topology;
+        entry.membership.members = changed.members;
+        ++entry.membership.topology;
         for (const ImageId image : changed.members) {
             if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
             cluster_of_[index_of(image)] = changed.id;
@@ -73,7 +73,7 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
     }
     for (const ClusterId removed : edit.removed) {
         if (auto entry = entries_.extract(removed))
-            orphans_.emplace(removed, std::move(entry.mapped().guests));
+            orphans_.emplace(removed, std::move(entry.mapped().membership.guests));
         unclean_.erase(removed);
     }
     if (find_hosts) find_hosts();
@@ -88,7 +88,7 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
         }
         const auto sources = moving.find(changed.id);
         if (sources == moving.end()) continue;
-        const bool is_join = !entry.material.empty();
+        const bool is_join = !entry.material.models.empty();
         ClusterChange join{ClusterChange::Kind::kJoin, changed.id, {}, changed.members.size()};
         for (const RecycledModel& source : sources->second) {
             auto part = arriving_part(source, entry);
@@ -98,27 +98,27 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
                                {source.cluster},
                                part->model->images.size()});
             join.others.push_back(source.cluster);
-            entry.brought.emplace_back(part->cluster, part->revision);
-            entry.material.push_back(*std::move(part));
+            entry.material.brought.emplace_back(part->cluster, part->revision);
+            entry.material.models.push_back(*std::move(part));
         }
         if (join.others.empty()) continue;
-        entry.transfer_topology = entry.topology;
-        if (is_join || entry.material.size() > 1) changes.push_back(std::move(join));
+        entry.material.transfer_topology = entry.membership.topology;
+        if (is_join || entry.material.models.size() > 1) changes.push_back(std::move(join));
     }
     return changes;
 }
 
 void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
     for (const ClusterId id : clusters) {
-        ++entries_.at(id).topology;
+        ++entries_.at(id).membership.topology;
         make_dirty(entries_.at(id));
     }
 }
 
 void ClusterTable::set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model) {
-    entry.model = std::move(model);
-    entry.cameras = nullptr;
-    ++entry.placing_changes;
+    entry.published.model = std::move(model);
+    entry.published.cameras = nullptr;
+    ++entry.published.placing_changes;
 }
 
 void ClusterTable::set_phase(ClusterEntry& entry, ClusterPhase phase) {
@@ -131,14 +131,14 @@ void ClusterTable::set_phase(ClusterEntry& entry, ClusterPhase phase) {
 }
 
 void ClusterTable::make_dirty(ClusterEntry& entry) {
-    entry.settled = false;
+    entry.published.settled = false;
     const bool in_flight =
         entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
     if (in_flight) {
         set_phase(entry, ClusterPhase::kSolvingDirty);
-    } else if (!makes_model(entry.members.size())) {
+    } else if (!makes_model(entry.membership.members.size())) {
         set_phase(entry, ClusterPhase::kClean);
-        entry.solved_topology = entry.topology;
+        entry.published.topology = entry.membership.topology;
         set_model(entry, nullptr);
     } else {
         set_phase(entry, ClusterPhase::kDirty);
@@ -159,7 +159,7 @@ std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
 std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     std::vector<const ClusterEntry*> taken;
     for (auto& [id, entry] : entries_) {
-        if (entry.phase != ClusterPhase::kClean || entry.settled || !has_model(entry.model))
+        if (entry.phase != ClusterPhase::kClean || entry.published.settled || !has_model(entry.published.model))
             continue;
         set_phase(entry, ClusterPhase::kSolving);
         taken.push_back(&entry);
@@ -185,29 +185,29 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         return nullptr;
     }
     ClusterEntry& entry = found->second;
-    const bool current = entry.topology == solution.topology;
+    const bool current = entry.membership.topology == solution.topology;
     if (solved && has_model(solution.model)) {
         // What has come along since the solve began is not in its result.
-        std::erase_if(entry.material, [&](const RecycledModel& recycled) {
+        std::erase_if(entry.material.models, [&](const RecycledModel& recycled) {
             return recycled.arrived <= solution.topology;
         });
-        entry.material.insert(entry.material.begin(),
-                              {entry.id, entry.revision + (current ? 1 : 0), solution.model});
-        entry.material_state = solution.state;
+        entry.material.models.insert(entry.material.models.begin(),
+                              {entry.id, entry.published.revision + (current ? 1 : 0), solution.model});
+        entry.material.state = solution.state;
         std::optional<Succession>& succession = solution.succession;
-        if (succession && entry.to_outgrown && succession->before == entry.outgrown)
-            succession = compose(*entry.to_outgrown, *succession);
-        const bool is_outgrown = !current && succession && succession->before == entry.model;
-        entry.outgrown = is_outgrown ? solution.model : nullptr;
-        entry.to_outgrown = is_outgrown ? succession : std::nullopt;
+        if (succession && entry.material.to_outgrown && succession->before == entry.material.outgrown)
+            succession = compose(*entry.material.to_outgrown, *succession);
+        const bool is_outgrown = !current && succession && succession->before == entry.published.model;
+        entry.material.outgrown = is_outgrown ? solution.model : nullptr;
+        entry.material.to_outgrown = is_outgrown ? succession : std::nullopt;
     }
     if (!current) {
         ++coalesced_;
         // Images may have left meanwhile.
         keep_members(entry);
-        if (!makes_model(entry.members.size())) {
+        if (!makes_model(entry.membership.members.size())) {
             set_phase(entry, ClusterPhase::kClean);
-            entry.solved_topology = entry.topology;
+            entry.published.topology = entry.membership.topology;
             set_model(entry, nullptr);
         } else {
             set_phase(entry, ClusterPhase::kDirty);
@@ -215,12 +215,12 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         return nullptr;
     }
     set_phase(entry, ClusterPhase::kClean);
-    entry.solved_topology = entry.topology;
+    entry.published.topology = entry.membership.topology;
     set_model(entry, solution.model);
-    if (solved) entry.brought.clear();
-    entry.waiting = solution.waiting;
-    entry.settled = problem.settle;
-    ++entry.revision;
+    if (solved) entry.material.brought.clear();
+    entry.published.waiting = solution.waiting;
+    entry.published.settled = problem.settle;
+    ++entry.published.revision;
     return &entry;
 }
 
@@ -236,29 +236,29 @@ void ClusterTable::learn_cameras(ClusterId cluster,
                                  const std::shared_ptr<const Reconstruction>& model,
                                  ModelCamerasPtr cameras) {
     const auto found = entries_.find(cluster);
-    if (found != entries_.end() && found->second.model == model)
-        found->second.cameras = std::move(cameras);
+    if (found != entries_.end() && found->second.published.model == model)
+        found->second.published.cameras = std::move(cameras);
 }
 
 bool ClusterTable::may_rest(const ClusterEntry& entry) {
-    return !entry.rests && entry.phase == ClusterPhase::kClean && has_model(entry.model) &&
-           entry.cameras && entry.material.size() == 1 &&
-           entry.material.front().model == entry.model && !entry.outgrown;
+    return !entry.published.rests && entry.phase == ClusterPhase::kClean && has_model(entry.published.model) &&
+           entry.published.cameras && entry.material.models.size() == 1 &&
+           entry.material.models.front().model == entry.published.model && !entry.material.outgrown;
 }
 
 void ClusterTable::rest(ClusterId cluster) {
     ClusterEntry& entry = entries_.at(cluster);
     auto model = std::make_shared<Reconstruction>();
-    model->images = entry.model->images;
-    model->cameras = entry.model->cameras;
-    entry.model = entry.material.front().model = std::move(model);
-    entry.rests = true;
+    model->images = entry.published.model->images;
+    model->cameras = entry.published.model->cameras;
+    entry.published.model = entry.material.models.front().model = std::move(model);
+    entry.published.rests = true;
 }
 
 void ClusterTable::wake(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model) {
     ClusterEntry& entry = entries_.at(cluster);
-    entry.model = entry.material.front().model = model;
-    entry.rests = false;
+    entry.published.model = entry.material.models.front().model = model;
+    entry.published.rests = false;
 }
 
 bool ClusterTable::busy() const {
@@ -267,7 +267,7 @@ bool ClusterTable::busy() const {
 
 void ClusterTable::restore_models(ClusterEntry models) {
     ClusterEntry& entry = entries_.at(models.id);
-    models.guests = std::move(entry.guests);
+    models.membership.guests = std::move(entry.membership.guests);
     models.phase = entry.phase;
     entry = std::move(models);
     const bool is_whole = !keep_members(entry);
@@ -285,11 +285,11 @@ void ClusterTable::restore_adopted(ImageId guest, ClusterId host) {
 }
 
 void ClusterTable::restore(ClusterEntry entry) {
-    for (const ImageId image : entry.members) {
+    for (const ImageId image : entry.membership.members) {
         if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
         cluster_of_[index_of(image)] = entry.id;
     }
-    const bool dirty = entry.solved_topology != entry.topology && makes_model(entry.members.size());
+    const bool dirty = entry.published.topology != entry.membership.topology && makes_model(entry.membership.members.size());
     set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
     entries_[entry.id] = std::move(entry);
 }

@@ -34,41 +34,55 @@ struct RecycledModel {
     std::uint32_t arrived = 0;  ///< topology of the cluster when the model came along; 0: its own
 };
 
-struct ClusterEntry {
-    ClusterId id{};
+/// Which images a cluster has.
+struct ClusterMembership {
     std::vector<ImageId> members;  ///< ascending
     /// Images of other clusters that are tried against this one: their own is below mu_min
     /// (host_cluster), or could not place them (ClusterTable::adopt). Ascending.
     std::vector<ImageId> guests;
-    ClusterPhase phase = ClusterPhase::kClean;
-    std::uint32_t topology = 0;         ///< counts changes of membership, from 1
-    std::uint32_t solved_topology = 0;  ///< topology of the published model
-    std::uint32_t revision = 0;         ///< counts published models
-    /// Published, without images that have left since; null before the first solve, and when fewer
-    /// than mu_min are left.
+    std::uint32_t topology = 0;  ///< counts changes of membership, from 1
+};
+
+/// What is shown of a cluster.
+struct PublishedModel {
+    /// Without images that have left since; null before the first solve, and when fewer than mu_min
+    /// are left.
     std::shared_ptr<const Reconstruction> model;
-    ModelCamerasPtr cameras;  ///< of the model; null: it was not merged yet
+    ModelCamerasPtr cameras;     ///< of the model; null: it was not merged yet
+    std::uint32_t revision = 0;  ///< counts published models
+    std::uint32_t topology = 0;  ///< of the cluster when the model was solved
     /// Counts what may have changed in which images of the model are placed by this cluster, and in
     /// their edges of the view graph.
     std::uint64_t placing_changes = 0;
+    std::vector<std::pair<ImageId, WaitReason>> waiting;
+    bool settled = false;  ///< all of the model was adjusted to convergence since it changed
     /// The points of the model, which is all of the material, are in the store and not in memory
     /// (ClusterTable::rest).
     bool rests = false;
-    std::vector<std::pair<ImageId, WaitReason>> waiting;
-    /// What the next solve extends or joins: the own model, and what images have brought along that
-    /// moved here together (paper sec. "Cluster Tracking and Recycling").
-    std::vector<RecycledModel> material;
-    SolveState material_state;  ///< of the own model
-    /// The own model in `material` where it is a result that the cluster had outgrown, and how it
-    /// follows from the published one; none: it is the published one, or does not.
+};
+
+/// What the next solve of a cluster extends or joins: the own model, and what images have brought
+/// along that moved here together (paper sec. "Cluster Tracking and Recycling").
+struct SolveMaterial {
+    std::vector<RecycledModel> models;
+    SolveState state;  ///< of the own model
+    /// The own model where it is a result that the cluster had outgrown, and how it follows from the
+    /// published one; none: it is the published one, or does not.
     std::shared_ptr<const Reconstruction> outgrown;
     std::optional<Succession> to_outgrown;
-    /// Stored solutions that the material came from since the last published model: what a process
+    /// Stored solutions that the models came from since the last published one: what a process
     /// starts from that takes the session up again.
     std::vector<std::pair<ClusterId, std::uint32_t>> brought;
     std::uint32_t transfer_topology = 0;  ///< when models came along last: they are stored material
                                           ///< until a result for this topology is published
-    bool settled = false;  ///< all of the model was adjusted to convergence since it changed
+};
+
+struct ClusterEntry {
+    ClusterId id{};
+    ClusterPhase phase = ClusterPhase::kClean;
+    ClusterMembership membership;
+    PublishedModel published;
+    SolveMaterial material;
 };
 
 /// What happened to reconstructed clusters, for the log.

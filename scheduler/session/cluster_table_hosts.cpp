@@ -13,7 +13,7 @@ namespace psfm {
 void ClusterTable::edges_changed(std::span<const ImageId> images) {
     for (const ImageId image : images) {
         const auto placing = entries_.find(of(image).id);
-        ++placing->second.placing_changes;
+        ++placing->second.published.placing_changes;
     }
 }
 
@@ -29,7 +29,7 @@ void ClusterTable::set_host(ImageId image, std::optional<ClusterId> host) {
                                              : std::nullopt;
     for (const std::optional<ClusterId>& id : {known, host, own}) {
         const auto entry = id ? entries_.find(*id) : entries_.end();
-        if (entry != entries_.end()) ++entry->second.placing_changes;
+        if (entry != entries_.end()) ++entry->second.published.placing_changes;
     }
     known = host;
 }
@@ -39,13 +39,13 @@ std::optional<ClusterId> ClusterTable::take_from_host(ImageId guest) {
     if (!host) return std::nullopt;
     set_host(guest, std::nullopt);
     if (const auto left = entries_.find(*host); left != entries_.end())
-        std::erase(left->second.guests, guest);
+        std::erase(left->second.membership.guests, guest);
     return host;
 }
 
 void ClusterTable::give_to_host(ImageId guest, ClusterId host) {
     set_host(guest, host);
-    std::vector<ImageId>& guests = entries_.at(host).guests;
+    std::vector<ImageId>& guests = entries_.at(host).membership.guests;
     guests.insert(std::ranges::lower_bound(guests, guest), guest);
 }
 
@@ -81,15 +81,15 @@ bool ClusterTable::stays_adopted(ImageId image) const {
     if (home == home_of_adopted_.end() || cluster_of_[index_of(image)] != home->second)
         return false;
     const auto host = entries_.find(*host_of(image));
-    if (host == entries_.end() || !makes_model(host->second.members.size())) return false;
+    if (host == entries_.end() || !makes_model(host->second.membership.members.size())) return false;
     const ClusterEntry& entry = host->second;
-    const bool is_placed = entry.model && entry.model->find(image) != nullptr;
+    const bool is_placed = entry.published.model && entry.published.model->find(image) != nullptr;
     return is_placed || entry.phase != ClusterPhase::kClean;
 }
 
 std::vector<ImageId> ClusterTable::adopted_by(const ClusterEntry& entry) const {
     std::vector<ImageId> adopted;
-    std::ranges::copy_if(entry.guests, std::back_inserter(adopted),
+    std::ranges::copy_if(entry.membership.guests, std::back_inserter(adopted),
                          [&](ImageId image) { return is_adopted(image); });
     return adopted;
 }
@@ -100,7 +100,7 @@ std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters
         const auto entry = entries_.find(id);
         const auto orphans = orphans_.find(id);
         if (entry != entries_.end())
-            std::ranges::copy(entry->second.guests, std::back_inserter(guests));
+            std::ranges::copy(entry->second.membership.guests, std::back_inserter(guests));
         if (orphans != orphans_.end())
             std::ranges::copy(orphans->second, std::back_inserter(guests));
     }
@@ -114,21 +114,21 @@ const ClusterEntry& ClusterTable::of(ImageId image) const {
 
 std::vector<ImageId> ClusterTable::images_of(const ClusterEntry& entry) const {
     std::vector<ImageId> images;
-    std::ranges::copy_if(entry.members, std::back_inserter(images),
+    std::ranges::copy_if(entry.membership.members, std::back_inserter(images),
                          [&](ImageId image) { return !host_of(image); });
     const auto members = static_cast<std::ptrdiff_t>(images.size());
-    images.insert(images.end(), entry.guests.begin(), entry.guests.end());
+    images.insert(images.end(), entry.membership.guests.begin(), entry.membership.guests.end());
     std::inplace_merge(images.begin(), images.begin() + members, images.end());
     return images;
 }
 
 std::vector<ImageId> ClusterTable::unplaced_of(const ClusterEntry& entry) const {
     std::vector<ImageId> images = images_of(entry);
-    if (!entry.model) return images;
-    auto placed = entry.model->images.begin();  // both ascend
+    if (!entry.published.model) return images;
+    auto placed = entry.published.model->images.begin();  // both ascend
     std::erase_if(images, [&](ImageId image) {
-        while (placed != entry.model->images.end() && placed->image < image) ++placed;
-        return placed != entry.model->images.end() && placed->image == image;
+        while (placed != entry.published.model->images.end() && placed->image < image) ++placed;
+        return placed != entry.published.model->images.end() && placed->image == image;
     });
     return images;
 }

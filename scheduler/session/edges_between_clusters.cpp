@@ -11,7 +11,7 @@ std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable
     std::vector<ClusterId> outdated;
     for (const auto& [id, placed] : placed_) {
         const auto entry = clusters.entries().find(id);
-        if (entry == clusters.entries().end() || entry->second.placing_changes != placed.changes)
+        if (entry == clusters.entries().end() || entry->second.published.placing_changes != placed.changes)
             outdated.push_back(id);
     }
     forget(outdated);
@@ -21,9 +21,9 @@ std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable
         if (placed_.contains(id)) continue;
         changed.push_back(id);
         Placed& placed = placed_[id];
-        placed.changes = entry.placing_changes;
-        if (!entry.model) continue;
-        for (const RegisteredImage& image : entry.model->images) {
+        placed.changes = entry.published.placing_changes;
+        if (!entry.published.model) continue;
+        for (const RegisteredImage& image : entry.published.model->images) {
             // Until a cluster that lost an image is solved again, two models have it.
             if (clusters.of(image.image).id != id) continue;
             placed.images.push_back(image.image);

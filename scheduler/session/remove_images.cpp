@@ -77,9 +77,9 @@ bool rests_on(const ClusterEntry& entry, const Images& removed) {
                    return is_removed(image.image);
                });
     };
-    return std::ranges::any_of(entry.members, is_removed) ||
-           std::ranges::any_of(entry.guests, is_removed) || holds(entry.model) ||
-           std::ranges::any_of(entry.material,
+    return std::ranges::any_of(entry.membership.members, is_removed) ||
+           std::ranges::any_of(entry.membership.guests, is_removed) || holds(entry.published.model) ||
+           std::ranges::any_of(entry.material.models,
                                [&](const RecycledModel& m) { return holds(m.model); });
 }
 

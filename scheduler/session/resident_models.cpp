@@ -16,10 +16,10 @@ Result<void> ResidentModels::use(std::span<const ClusterId> clusters, ClusterTab
         const auto entry = table.entries().find(id);
         if (entry == table.entries().end()) continue;
         used_[id] = uses_;
-        if (!entry->second.rests) continue;
+        if (!entry->second.published.rests) continue;
         const auto stored = store.solution(id);
         if (!stored.ok()) return stored.error();
-        if (!stored->has_value() || (*stored)->revision != entry->second.revision) {
+        if (!stored->has_value() || (*stored)->revision != entry->second.published.revision) {
             return Error{ErrorCode::kDamaged, "the model of cluster " +
                                                   std::to_string(index_of(id)) +
                                                   " is not in the session any more; `psfm check` "
@@ -34,8 +34,8 @@ void ResidentModels::release(ClusterTable& table) {
     std::size_t bytes = 0;
     std::vector<std::pair<std::uint64_t, ClusterId>> oldest;
     for (const auto& [id, entry] : table.entries()) {
-        if (!entry.model) continue;
-        bytes += entry.model->points.bytes();
+        if (!entry.published.model) continue;
+        bytes += entry.published.model->points.bytes();
         const std::uint64_t used = used_[id];
         if (used + kUsesKept <= uses_ && ClusterTable::may_rest(entry))
             oldest.emplace_back(used, id);
@@ -44,7 +44,7 @@ void ResidentModels::release(ClusterTable& table) {
     std::ranges::sort(oldest);
     for (const auto& [used, id] : oldest) {
         if (bytes <= budget_) break;
-        bytes -= table.entries().at(id).model->points.bytes();
+        bytes -= table.entries().at(id).published.model->points.bytes();
         table.rest(id);
     }
 }

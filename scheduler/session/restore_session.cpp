@@ -106,23 +106,23 @@ Result<void> restore_models(const SessionReader& store, const StoredCluster& sto
                             ClusterEntry& entry) {
     auto solution = store.solution(stored.id);
     if (!solution.ok()) return solution.error();
-    if (solution->has_value() && options.solve.policy.makes_model(entry.members.size())) {
+    if (solution->has_value() && options.solve.policy.makes_model(entry.membership.members.size())) {
         const StoredSolveState solve_state = solve_state_of(stored, **solution, remarks);
-        entry.model = (*solution)->model;
-        entry.settled = solve_state.settled && entry.solved_topology == entry.topology;
-        if (!entry.model->empty()) {
-            entry.material = {{stored.id, stored.revision, entry.model}};
-            entry.material_state = solve_state.state;
-            entry.cameras = cameras_of(*entry.model);
+        entry.published.model = (*solution)->model;
+        entry.published.settled = solve_state.settled && entry.published.topology == entry.membership.topology;
+        if (!entry.published.model->empty()) {
+            entry.material.models = {{stored.id, stored.revision, entry.published.model}};
+            entry.material.state = solve_state.state;
+            entry.published.cameras = cameras_of(*entry.published.model);
         }
     }
-    if (entry.solved_topology >= entry.transfer_topology) return {};
+    if (entry.published.topology >= entry.material.transfer_topology) return {};
     for (const SolutionReference& recycled : stored.recycled) {
         auto model = store.recycled_model(recycled);
         if (!model.ok()) return model.error();
         if (!*model) continue;
-        entry.material.push_back({recycled.cluster, recycled.revision, *std::move(model)});
-        entry.brought.emplace_back(recycled.cluster, recycled.revision);
+        entry.material.models.push_back({recycled.cluster, recycled.revision, *std::move(model)});
+        entry.material.brought.emplace_back(recycled.cluster, recycled.revision);
     }
     return {};
 }
@@ -130,11 +130,11 @@ Result<void> restore_models(const SessionReader& store, const StoredCluster& sto
 ClusterEntry without_models(const StoredCluster& stored) {
     ClusterEntry entry;
     entry.id = stored.id;
-    entry.members = stored.members;
-    entry.topology = stored.topology;
-    entry.solved_topology = stored.solved_topology;
-    entry.revision = stored.revision;
-    entry.transfer_topology = stored.transfer_topology;
+    entry.membership.members = stored.members;
+    entry.membership.topology = stored.topology;
+    entry.published.topology = stored.solved_topology;
+    entry.published.revision = stored.revision;
+    entry.material.transfer_topology = stored.transfer_topology;
     return entry;
 }
 

@@ -36,9 +36,9 @@ WaitReason reason_without_edges(const EdgeSelection& selection, ImageId image) {
 std::vector<WeakModel> weak_models(const SessionState& state) {
     std::vector<WeakModel> weak;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        const Weaknesses& weaknesses = entry.material_state.weaknesses;
-        if (!entry.model || entry.model->empty() || weaknesses.none()) continue;
-        weak.push_back({id, static_cast<std::uint32_t>(entry.model->images.size()), weaknesses});
+        const Weaknesses& weaknesses = entry.material.state.weaknesses;
+        if (!entry.published.model || entry.published.model->empty() || weaknesses.none()) continue;
+        weak.push_back({id, static_cast<std::uint32_t>(entry.published.model->images.size()), weaknesses});
     }
     return weak;
 }
@@ -47,10 +47,10 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
         const bool unsolved =
-            entry.phase == ClusterPhase::kClean && (!entry.model || entry.model->empty());
+            entry.phase == ClusterPhase::kClean && (!entry.published.model || entry.published.model->empty());
         Turns of_cluster;
         if (unsolved) {
-            for (const ImageId image : entry.members) of_cluster.add(state.view_graph, image);
+            for (const ImageId image : entry.membership.members) of_cluster.add(state.view_graph, image);
         }
         for (const ImageId image : state.clusters.unplaced_of(entry)) {
             if (state.is_removed(image)) continue;
@@ -59,7 +59,7 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
                 reason = reason_without_edges(state.edges, image);
             } else if (unsolved && of_cluster.prevail()) {
                 reason = WaitReason::kNoParallax;
-            } else if (!state.clusters.makes_model(entry.members.size())) {
+            } else if (!state.clusters.makes_model(entry.membership.members.size())) {
                 reason = WaitReason::kClusterTooSmall;
             } else if (entry.phase == ClusterPhase::kClean) {
                 reason = unsolved ? WaitReason::kNoSeed : WaitReason::kRegistrationFailed;

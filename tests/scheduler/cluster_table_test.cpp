@@ -30,7 +30,7 @@ TEST(ClusterTable, SolvesADirtyClusterOnce) {
     Solve solve = solve_of(*dirty.front(), images({0, 1, 2}));
     const ClusterEntry* published = table.finish(solve.problem, solve.solution);
     ASSERT_NE(published, nullptr);
-    EXPECT_EQ(published->revision, 1U);
+    EXPECT_EQ(published->published.revision, 1U);
     EXPECT_FALSE(table.busy());
     EXPECT_TRUE(table.take_dirty().empty()) << "a clean cluster is never solved";
 }
@@ -54,7 +54,7 @@ TEST(ClusterTable, AResultForAnOutdatedTopologyBecomesMaterial) {
     const auto again = table.take_dirty();
     ASSERT_EQ(again.size(), 1U);
     EXPECT_EQ(material_of(*again.front()), Models{images({0, 1, 2})}) << "never thrown away";
-    EXPECT_EQ(again.front()->model, nullptr);
+    EXPECT_EQ(again.front()->published.model, nullptr);
 }
 
 /// What was not published is not stored either: what is stored next says what changed since that.
@@ -124,7 +124,7 @@ TEST(ClusterTable, JoinedModelsAreBothMaterial) {
     table.apply(members(0, {0, 1, 2}));
     table.apply(members(1, {3, 4, 5}));
     for (const ClusterEntry* entry : table.take_dirty()) {
-        Solve solve = solve_of(*entry, entry->members);
+        Solve solve = solve_of(*entry, entry->membership.members);
         table.finish(solve.problem, solve.solution);
     }
     const auto changes = table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5, 6}));
@@ -136,9 +136,9 @@ TEST(ClusterTable, JoinedModelsAreBothMaterial) {
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
     EXPECT_EQ(material_of(*dirty.front()), (Models{images({0, 1, 2}), images({3, 4, 5})}));
-    EXPECT_EQ(dirty.front()->material.back().cluster, cluster(1)) << "so that it can be stored";
-    EXPECT_EQ(dirty.front()->material.back().revision, 1U);
-    EXPECT_NE(dirty.front()->model, nullptr)
+    EXPECT_EQ(dirty.front()->material.models.back().cluster, cluster(1)) << "so that it can be stored";
+    EXPECT_EQ(dirty.front()->material.models.back().revision, 1U);
+    EXPECT_NE(dirty.front()->published.model, nullptr)
         << "what was published stays until the new model is there";
     EXPECT_EQ(table.entries().size(), 1U);
     EXPECT_EQ(table.of(image(4)).id, cluster(0));
@@ -159,10 +159,10 @@ TEST(ClusterTable, ASplitModelIsCutAndBothPartsKeepTheirs) {
     ASSERT_EQ(dirty.size(), 2U);
     EXPECT_EQ(material_of(*dirty[0]), Models{images({0, 1, 2})});
     EXPECT_EQ(material_of(*dirty[1]), Models{images({3, 4, 5})});
-    ASSERT_NE(dirty[0]->model, nullptr) << "what stays is shown on";
-    EXPECT_EQ(images_in(*dirty[0]->model), images({0, 1, 2})) << "no image stands in two models";
-    EXPECT_EQ(dirty[0]->revision, 1U) << "of the solution that it is a part of";
-    EXPECT_EQ(dirty[1]->model, nullptr);
+    ASSERT_NE(dirty[0]->published.model, nullptr) << "what stays is shown on";
+    EXPECT_EQ(images_in(*dirty[0]->published.model), images({0, 1, 2})) << "no image stands in two models";
+    EXPECT_EQ(dirty[0]->published.revision, 1U) << "of the solution that it is a part of";
+    EXPECT_EQ(dirty[1]->published.model, nullptr);
 }
 
 TEST(ClusterTable, AModelThatIsCutBelowMuMinIsShownNoMore) {
@@ -173,7 +173,7 @@ TEST(ClusterTable, AModelThatIsCutBelowMuMinIsShownNoMore) {
     split.changed = {{cluster(0), images({0, 1, 5})}, {cluster(1), images({2, 3, 4})}};
     split.moved.push_back({cluster(0), cluster(1), images({2, 3, 4})});
     table.apply(split);
-    EXPECT_EQ(table.entries().at(cluster(0)).model, nullptr);
+    EXPECT_EQ(table.entries().at(cluster(0)).published.model, nullptr);
 }
 
 TEST(ClusterTable, AGroupBelowMuMinBringsNoModel) {
@@ -215,7 +215,7 @@ TEST(ClusterTable, AFailedSolveLeavesAllMaterialForTheNext) {
     Solve stand_in = solve_of(*dirty.front(), images({0, 1, 2}));
     const ClusterEntry* entry = table.finish(stand_in.problem, stand_in.solution, false);
     ASSERT_NE(entry, nullptr);
-    EXPECT_EQ(entry->model, stand_in.solution.model);
+    EXPECT_EQ(entry->published.model, stand_in.solution.model);
     EXPECT_EQ(material_of(*entry), (Models{images({0, 1, 2}), images({3, 4, 5})}));
     table.apply(members(0, {0, 1, 2, 3, 4, 5, 6}));
     EXPECT_EQ(material_of(*table.take_dirty().front()),
@@ -234,11 +234,11 @@ TEST(ClusterTable, AResultThatIsGivenUpLeavesNoTrace) {
     for (const std::uint32_t id : {0U, 1U, 2U}) table.give_up(cluster(id));
     EXPECT_EQ(table.coalesced(), 3U) << "one of a cluster that is gone, too";
     EXPECT_EQ(table.entries().at(cluster(1)).phase, ClusterPhase::kClean) << "too small by now";
-    EXPECT_EQ(table.entries().at(cluster(1)).model, nullptr);
+    EXPECT_EQ(table.entries().at(cluster(1)).published.model, nullptr);
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    EXPECT_EQ(dirty.front()->topology, 2U) << "nothing changed but by the edit";
-    EXPECT_EQ(dirty.front()->revision, 1U);
+    EXPECT_EQ(dirty.front()->membership.topology, 2U) << "nothing changed but by the edit";
+    EXPECT_EQ(dirty.front()->published.revision, 1U);
     EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})});
 }
 
@@ -250,7 +250,7 @@ TEST(ClusterTable, ALostEdgeMakesACleanClusterDirty) {
     table.make_dirty(std::vector{cluster(0)});
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
-    EXPECT_EQ(dirty.front()->topology, 2U);
+    EXPECT_EQ(dirty.front()->membership.topology, 2U);
     EXPECT_EQ(material_of(*dirty.front()), Models{images({0, 1, 2})});
 }
 
@@ -287,12 +287,12 @@ TEST(ClusterTable, AJoinThatAnotherOneOvertakesIsNotDoneAgain) {
     // Nothing of the join is stored yet: a process that dies now leaves all three to the next.
     const std::vector<std::pair<ClusterId, std::uint32_t>> both = {{cluster(1), 1U},
                                                                    {cluster(2), 1U}};
-    EXPECT_EQ(dirty.front()->brought, both);
+    EXPECT_EQ(dirty.front()->material.brought, both);
     Solve last = solve_of(*dirty.front(), images({0, 1, 2, 3, 4, 5, 6, 7, 8}));
     const ClusterEntry* published = table.finish(last.problem, last.solution);
     ASSERT_NE(published, nullptr);
     EXPECT_EQ(material_of(*published), Models{images({0, 1, 2, 3, 4, 5, 6, 7, 8})});
-    EXPECT_TRUE(published->brought.empty());
+    EXPECT_TRUE(published->material.brought.empty());
 }
 
 TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
@@ -341,13 +341,13 @@ TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
     ClusterTable table(kMuMin);
     ClusterEntry clean;
     clean.id = cluster(0);
-    clean.members = images({0, 1, 2});
-    clean.topology = clean.solved_topology = 4;
+    clean.membership.members = images({0, 1, 2});
+    clean.membership.topology = clean.published.topology = 4;
     table.restore(clean);
     ClusterEntry dirty = clean;
     dirty.id = cluster(1);
-    dirty.members = images({3, 4, 5});
-    dirty.topology = 5;
+    dirty.membership.members = images({3, 4, 5});
+    dirty.membership.topology = 5;
     table.restore(dirty);
     const auto taken = table.take_dirty();
     ASSERT_EQ(taken.size(), 1U);
@@ -360,16 +360,16 @@ TEST(ClusterTable, CleanClustersRestWhenTheyAreRestored) {
         ClusterTable table(kMuMin);
         ClusterEntry entry;
         entry.id = cluster(0);
-        entry.members = images({0, 1, 2});
-        entry.topology = 4;
-        entry.solved_topology = is_dirty ? 3 : 4;
-        entry.revision = 1;
+        entry.membership.members = images({0, 1, 2});
+        entry.membership.topology = 4;
+        entry.published.topology = is_dirty ? 3 : 4;
+        entry.published.revision = 1;
         table.restore(entry);
-        entry.model = solve_of(entry, entry.members).solution.model;
-        entry.material = {{entry.id, entry.revision, entry.model}};
-        entry.cameras = std::make_shared<const ModelCameras>();
+        entry.published.model = solve_of(entry, entry.membership.members).solution.model;
+        entry.material.models = {{entry.id, entry.published.revision, entry.published.model}};
+        entry.published.cameras = std::make_shared<const ModelCameras>();
         table.restore_models(entry);
-        EXPECT_EQ(table.entries().at(cluster(0)).rests, !is_dirty);
+        EXPECT_EQ(table.entries().at(cluster(0)).published.rests, !is_dirty);
         EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2})});
         EXPECT_EQ(table.take_dirty().size(), is_dirty ? 1U : 0U);
     }
@@ -380,18 +380,18 @@ TEST(ClusterTable, WhatAMergeFoundIsOfTheModelThatItHad) {
     table.apply(members(0, {0, 1, 2}));
     solve_dirty(table);
     const ClusterEntry& entry = table.entries().at(cluster(0));
-    const auto merged = entry.model;
+    const auto merged = entry.published.model;
     const auto cameras = std::make_shared<const ModelCameras>();
     EXPECT_FALSE(ClusterTable::may_rest(entry)) << "not merged yet";
     table.learn_cameras(cluster(0), merged, cameras);
-    EXPECT_EQ(entry.cameras, cameras);
+    EXPECT_EQ(entry.published.cameras, cameras);
     EXPECT_TRUE(ClusterTable::may_rest(entry));
     table.apply(members(0, {0, 1, 2, 3}));
     EXPECT_FALSE(ClusterTable::may_rest(entry));
     solve_dirty(table);
-    EXPECT_EQ(entry.cameras, nullptr);
+    EXPECT_EQ(entry.published.cameras, nullptr);
     table.learn_cameras(cluster(0), merged, cameras);
-    EXPECT_EQ(entry.cameras, nullptr) << "of the model before";
+    EXPECT_EQ(entry.published.cameras, nullptr) << "of the model before";
     table.learn_cameras(cluster(7), merged, cameras);
 }
 

@@ -60,29 +60,29 @@ TEST(Guests, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
     ClusterTable table(kMuMin);
     ClusterEntry host;
     host.id = cluster(0);
-    host.members = images({0, 1, 2});
-    host.topology = host.solved_topology = 2;
-    host.revision = 1;
+    host.membership.members = images({0, 1, 2});
+    host.membership.topology = host.published.topology = 2;
+    host.published.revision = 1;
     const auto model = solve_of(host, images({0, 1, 2, 3})).solution.model;
-    host.model = model;
-    host.material = {{host.id, host.revision, model}};
+    host.published.model = model;
+    host.material.models = {{host.id, host.published.revision, model}};
     table.restore(host);
     ClusterEntry small;
     small.id = cluster(1);
-    small.members = images({3});
+    small.membership.members = images({3});
     table.restore(small);
     table.restore_host(image(3), cluster(0));
     ClusterEntry other = host;
     other.id = cluster(2);
-    other.members = images({4, 5, 6});
-    other.model = solve_of(other, images({4, 5, 6, 7})).solution.model;
-    other.material = {{other.id, other.revision, other.model}};
+    other.membership.members = images({4, 5, 6});
+    other.published.model = solve_of(other, images({4, 5, 6, 7})).solution.model;
+    other.material.models = {{other.id, other.published.revision, other.published.model}};
     table.restore(other);
     for (const ClusterEntry& entry : {host, other}) table.restore_models(entry);
-    EXPECT_EQ(table.entries().at(cluster(0)).model, model);
+    EXPECT_EQ(table.entries().at(cluster(0)).published.model, model);
     EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})});
-    ASSERT_NE(table.entries().at(cluster(2)).model, nullptr);
-    EXPECT_EQ(images_in(*table.entries().at(cluster(2)).model), images({4, 5, 6}))
+    ASSERT_NE(table.entries().at(cluster(2)).published.model, nullptr);
+    EXPECT_EQ(images_in(*table.entries().at(cluster(2)).published.model), images({4, 5, 6}))
         << "7 stands elsewhere";
     EXPECT_EQ(material_of(table.entries().at(cluster(2))), Models{images({4, 5, 6})});
 }
@@ -93,7 +93,7 @@ ClusterTable table_with_stray() {
     table.apply(members(0, {0, 1, 2, 3}));
     table.apply(members(1, {4, 5, 6}));
     for (const ClusterEntry* entry : table.take_dirty()) {
-        std::vector<ImageId> placed = entry->members;
+        std::vector<ImageId> placed = entry->membership.members;
         std::erase(placed, image(2));
         Solve solve = solve_of(*entry, placed);
         table.finish(solve.problem, solve.solution);

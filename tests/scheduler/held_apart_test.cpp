@@ -44,16 +44,16 @@ void expect_two_models(const SerialSession& session) {
     ASSERT_EQ(entries.size(), 2U);
     std::size_t placed = 0;
     for (const auto& [id, entry] : entries) {
-        ASSERT_NE(entry.model, nullptr);
-        EXPECT_GE(entry.model->images.size(), kClustering.hold_from);
-        placed += entry.model->images.size();
+        ASSERT_NE(entry.published.model, nullptr);
+        EXPECT_GE(entry.published.model->images.size(), kClustering.hold_from);
+        placed += entry.published.model->images.size();
     }
     EXPECT_EQ(placed, kImages);
 }
 
 std::shared_ptr<const Reconstruction> only_model(const SerialSession& session) {
     EXPECT_EQ(session.state().clusters.entries().size(), 1U);
-    return session.state().clusters.entries().begin()->second.model;
+    return session.state().clusters.entries().begin()->second.published.model;
 }
 
 class HeldApart : public ::testing::Test {
@@ -65,7 +65,7 @@ class HeldApart : public ::testing::Test {
         const auto model = only_model(session);
         ASSERT_NE(model, nullptr);
         EXPECT_EQ(model->images.size(), kImages);
-        EXPECT_TRUE(session.state().clusters.entries().begin()->second.settled);
+        EXPECT_TRUE(session.state().clusters.entries().begin()->second.published.settled);
         const auto error = synthetic::compare_with_truth(*model, ring_.scene);
         ASSERT_TRUE(error.ok());
         EXPECT_LT(error->max_position, 0.01);

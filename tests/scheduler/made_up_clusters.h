@@ -41,7 +41,7 @@ inline Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& pla
                       bool settle = false) {
     Solve solve;
     solve.problem.cluster = solve.solution.cluster = entry.id;
-    solve.problem.topology = solve.solution.topology = entry.topology;
+    solve.problem.topology = solve.solution.topology = entry.membership.topology;
     solve.problem.settle = settle;
     auto model = std::make_shared<Reconstruction>();
     model->cameras[CameraId{}] = Camera{};
@@ -59,7 +59,7 @@ inline std::vector<ImageId> images_in(const Reconstruction& model) {
 /// The models that the next solve starts from, by the images they place.
 inline std::vector<std::vector<ImageId>> material_of(const ClusterEntry& entry) {
     std::vector<std::vector<ImageId>> models;
-    for (const RecycledModel& recycled : entry.material)
+    for (const RecycledModel& recycled : entry.material.models)
         models.push_back(images_in(*recycled.model));
     return models;
 }

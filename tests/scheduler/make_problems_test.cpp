@@ -21,17 +21,17 @@ ClusterEntry cluster_of(std::uint32_t id, std::uint32_t first, std::uint32_t las
                         std::optional<double> solved_focal) {
     ClusterEntry entry;
     entry.id = ClusterId{id};
-    entry.topology = 1;
+    entry.membership.topology = 1;
     Reconstruction model;
     for (std::uint32_t i = first; i < last; ++i) {
-        entry.members.push_back(ImageId{i});
+        entry.membership.members.push_back(ImageId{i});
         model.images.push_back({ImageId{i}, CameraId{0}, {}});
     }
     if (solved_focal) {
         model.cameras[CameraId{0}] = with_focal(*solved_focal);
-        entry.solved_topology = 1;
-        entry.model = std::make_shared<const Reconstruction>(std::move(model));
-        entry.material = {{entry.id, 1, entry.model}};
+        entry.published.topology = 1;
+        entry.published.model = std::make_shared<const Reconstruction>(std::move(model));
+        entry.material.models = {{entry.id, 1, entry.published.model}};
     }
     return entry;
 }
@@ -43,9 +43,9 @@ SessionState state_of(const std::vector<ClusterEntry>& clusters) {
     for (const ClusterEntry& entry : clusters) {
         auto shown = std::make_shared<SceneCluster>();
         shown->id = entry.id;
-        shown->model = entry.model;
+        shown->model = entry.published.model;
         scene->clusters.push_back(std::move(shown));
-        images += static_cast<std::uint32_t>(entry.members.size());
+        images += static_cast<std::uint32_t>(entry.membership.members.size());
         state.clusters.restore(entry);
     }
     for (std::uint32_t i = 0; i < images; ++i) {
@@ -97,10 +97,10 @@ TEST(MakeClusterProblem, DoesNotTrustSmallModelsOrTouchGivenIntrinsics) {
 /// Two placed clusters, and an image of the first that it cannot place; with edges to both.
 SessionState state_with_stray() {
     ClusterEntry first = cluster_of(0, 0, 6, kTrueFocal);
-    first.members.push_back(ImageId{6});
-    first.revision = 1;
+    first.membership.members.push_back(ImageId{6});
+    first.published.revision = 1;
     ClusterEntry second = cluster_of(1, 7, 13, kTrueFocal);
-    second.revision = 1;
+    second.published.revision = 1;
     SessionState state = state_of({first, second});
     for (const std::uint32_t other : {3U, 8U}) {
         const ImagePair pair = ImagePair::of(ImageId{6}, ImageId{other});
@@ -134,8 +134,8 @@ void publish(SessionState& state) {
     for (const auto& [id, entry] : state.clusters.entries()) {
         auto shown = std::make_shared<SceneCluster>();
         shown->id = id;
-        shown->revision = entry.revision;
-        shown->model = entry.model;
+        shown->revision = entry.published.revision;
+        shown->model = entry.published.model;
         scene->clusters.push_back(std::move(shown));
     }
     state.scene = std::move(scene);
@@ -148,13 +148,13 @@ TEST(UnplacedImages, AreTriedAgainWhenWhatTheySeeWasSolvedAgain) {
     for (const std::uint32_t solved : {0U, 1U}) {
         publish(state);
         ClusterEntry again = state.clusters.entries().at(ClusterId{solved});
-        ++again.revision;
+        ++again.published.revision;
         state.clusters.restore(again);
         EXPECT_EQ(unplaced_images(state, {}).size(), 1U) << "cluster " << solved;
     }
     publish(state);
     ClusterEntry third = cluster_of(2, 13, 19, kTrueFocal);
-    third.revision = 1;
+    third.published.revision = 1;
     state.clusters.restore(third);
     EXPECT_TRUE(unplaced_images(state, {}).empty()) << "it sees nothing of that";
 }

@@ -111,7 +111,7 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     const auto cluster_of = [&](std::uint32_t street_of) {
         const bool is_first = streets.first_street.contains(static_cast<ImageId>(street_of));
         for (const auto& [id, entry] : session.state().clusters.entries()) {
-            if (entry.model && streets.first_street.contains(entry.members.front()) == is_first)
+            if (entry.published.model && streets.first_street.contains(entry.membership.members.front()) == is_first)
                 return id;
         }
         return ClusterId{};
@@ -129,7 +129,7 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     session.hold_solves();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(session.add_image());
     ASSERT_EQ(session.held_solves(), 2U) << "one of each street, the second's is outgrown";
-    const auto published = session.state().clusters.entries().at(second).model;
+    const auto published = session.state().clusters.entries().at(second).published.model;
     session.release_showing_two_places(first);
     const auto again = std::ranges::find(
         session.held(), second, [](const SolveMessage& solve) { return solve.problem->cluster; });

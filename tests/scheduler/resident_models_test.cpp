@@ -28,12 +28,12 @@ class ResidentModelsTest : public ::testing::Test {
         const StoredSolution solution = testing::expected_solution(kImages - 1);
         ClusterEntry entry;
         entry.id = kCluster;
-        entry.members = store_->clusters()->front().members;
-        entry.topology = entry.solved_topology = 1;
-        entry.revision = solution.revision;
-        entry.model = solution.model;
-        entry.cameras = std::make_shared<const ModelCameras>();
-        entry.material = {{kCluster, entry.revision, entry.model}};
+        entry.membership.members = store_->clusters()->front().members;
+        entry.membership.topology = entry.published.topology = 1;
+        entry.published.revision = solution.revision;
+        entry.published.model = solution.model;
+        entry.published.cameras = std::make_shared<const ModelCameras>();
+        entry.material.models = {{kCluster, entry.published.revision, entry.published.model}};
         table_.restore(std::move(entry));
         models_.set_budget(0);
         EXPECT_TRUE(use().ok());
@@ -51,55 +51,55 @@ class ResidentModelsTest : public ::testing::Test {
 };
 
 TEST_F(ResidentModelsTest, LeavesPointsToTheStoreAndReadsThemBack) {
-    const auto model = entry().model;
+    const auto model = entry().published.model;
     ASSERT_FALSE(model->points.empty());
     let_uses_pass(ResidentModels::kUsesKept);
     models_.release(table_);
-    ASSERT_TRUE(entry().rests);
-    EXPECT_TRUE(entry().model->points.empty());
-    EXPECT_EQ(entry().material.front().model, entry().model);
-    ASSERT_EQ(entry().model->images.size(), model->images.size());
-    EXPECT_EQ(entry().model->cameras.size(), model->cameras.size());
+    ASSERT_TRUE(entry().published.rests);
+    EXPECT_TRUE(entry().published.model->points.empty());
+    EXPECT_EQ(entry().material.models.front().model, entry().published.model);
+    ASSERT_EQ(entry().published.model->images.size(), model->images.size());
+    EXPECT_EQ(entry().published.model->cameras.size(), model->cameras.size());
     ASSERT_TRUE(use().ok());
-    EXPECT_FALSE(entry().rests);
-    EXPECT_EQ(entry().material.front().model, entry().model);
-    ASSERT_EQ(entry().model->points.size(), model->points.size());
+    EXPECT_FALSE(entry().published.rests);
+    EXPECT_EQ(entry().material.models.front().model, entry().published.model);
+    ASSERT_EQ(entry().published.model->points.size(), model->points.size());
     for (std::size_t p = 0; p < model->points.size(); ++p) {
-        EXPECT_EQ(entry().model->points[p].position, model->points[p].position);
-        EXPECT_EQ(entry().model->points[p].track, model->points[p].track);
+        EXPECT_EQ(entry().published.model->points[p].position, model->points[p].position);
+        EXPECT_EQ(entry().published.model->points[p].track, model->points[p].track);
     }
 }
 
 TEST_F(ResidentModelsTest, KeepsWhatWasUsedLately) {
     let_uses_pass(ResidentModels::kUsesKept - 1);
     models_.release(table_);
-    EXPECT_FALSE(entry().rests);
+    EXPECT_FALSE(entry().published.rests);
     let_uses_pass(1);
-    models_.set_budget(entry().model->points.bytes());
+    models_.set_budget(entry().published.model->points.bytes());
     models_.release(table_);
-    EXPECT_FALSE(entry().rests) << "within the budget";
-    models_.set_budget(entry().model->points.bytes() - 1);
+    EXPECT_FALSE(entry().published.rests) << "within the budget";
+    models_.set_budget(entry().published.model->points.bytes() - 1);
     models_.release(table_);
-    EXPECT_TRUE(entry().rests);
+    EXPECT_TRUE(entry().published.rests);
 }
 
 TEST_F(ResidentModelsTest, KeepsWhatTheStoreMayNotHave) {
     let_uses_pass(ResidentModels::kUsesKept);
     table_.make_dirty(std::span(&kCluster, 1));
     models_.release(table_);
-    EXPECT_FALSE(entry().rests) << "to be solved";
+    EXPECT_FALSE(entry().published.rests) << "to be solved";
     table_.take_dirty();
     models_.release(table_);
-    EXPECT_FALSE(entry().rests) << "being solved";
+    EXPECT_FALSE(entry().published.rests) << "being solved";
 }
 
 TEST_F(ResidentModelsTest, SaysWhatIsNotInTheStore) {
     ClusterEntry newer = entry();
-    ++newer.revision;
+    ++newer.published.revision;
     table_.restore(newer);
     let_uses_pass(ResidentModels::kUsesKept);
     models_.release(table_);
-    ASSERT_TRUE(entry().rests);
+    ASSERT_TRUE(entry().published.rests);
     const auto read = use();
     ASSERT_FALSE(read.ok());
     EXPECT_NE(read.error().message.find("cluster 0"), std::string::npos) << read.error().message;
@@ -173,14 +173,14 @@ TEST(ModelsOfASession, RestAndChangeNothing) {
             ASSERT_TRUE(session.add_image());
         ASSERT_GE(clusters.entries().size(), 3U);
         ASSERT_EQ(session.state().counts.effective_clusters, 1U);
-        EXPECT_EQ(clusters.of(ImageId{0}).rests, budget == 0);
+        EXPECT_EQ(clusters.of(ImageId{0}).published.rests, budget == 0);
         for (const auto& shown : session.state().scene->clusters) {
             const ClusterEntry& entry = clusters.entries().at(shown->id);
-            EXPECT_EQ(shown->model, entry.model) << "nobody else has the points";
+            EXPECT_EQ(shown->model, entry.published.model) << "nobody else has the points";
         }
         ASSERT_TRUE(session.add_image());
         ASSERT_TRUE(session.add_image());
-        EXPECT_FALSE(clusters.of(ImageId{0}).rests);
+        EXPECT_FALSE(clusters.of(ImageId{0}).published.rests);
         session.end();
         auto scene = store->scene();
         ASSERT_TRUE(scene.ok());
@@ -238,17 +238,17 @@ TEST(ModelsOfASession, AreAwakeWhenTheirClustersJoin) {
     const ImageId of_first{Bridge::kOfPart - 1};
     const ImageId of_second{Bridge::kOfPart};
     ASSERT_NE(clusters.of(of_first).id, clusters.of(of_second).id);
-    ASSERT_TRUE(clusters.of(of_first).rests);
-    ASSERT_TRUE(clusters.of(of_second).rests);
+    ASSERT_TRUE(clusters.of(of_first).published.rests);
+    ASSERT_TRUE(clusters.of(of_second).published.rests);
     session.hold_solves();
     ASSERT_TRUE(session.add_image());
     const ClusterEntry& joined = clusters.of(of_first);
     ASSERT_EQ(joined.id, clusters.of(of_second).id);
-    ASSERT_EQ(joined.material.size(), 2U);
-    for (const RecycledModel& material : joined.material)
+    ASSERT_EQ(joined.material.models.size(), 2U);
+    for (const RecycledModel& material : joined.material.models)
         EXPECT_FALSE(material.model->points.empty());
     session.release_solves();
-    EXPECT_EQ(clusters.of(of_first).model->images.size(), 2U * Bridge::kOfPart + 2U);
+    EXPECT_EQ(clusters.of(of_first).published.model->images.size(), 2U * Bridge::kOfPart + 2U);
 }
 
 TEST(ModelsOfASession, SettleAFewAtATime) {
@@ -268,8 +268,8 @@ TEST(ModelsOfASession, SettleAFewAtATime) {
         EXPECT_EQ(session.state().counts.solves_settle, models);
         EXPECT_FALSE(session.state().clusters.busy());
         for (const auto& [id, entry] : session.state().clusters.entries()) {
-            if (entry.model) {
-                EXPECT_TRUE(entry.settled) << index_of(id);
+            if (entry.published.model) {
+                EXPECT_TRUE(entry.published.settled) << index_of(id);
             }
         }
         EXPECT_EQ(
@@ -277,7 +277,7 @@ TEST(ModelsOfASession, SettleAFewAtATime) {
             1);
         EXPECT_EQ(session.state().scene->version, store->scene()->version);
         for (const auto& shown : session.state().scene->clusters) {
-            EXPECT_EQ(shown->revision, session.state().clusters.entries().at(shown->id).revision)
+            EXPECT_EQ(shown->revision, session.state().clusters.entries().at(shown->id).published.revision)
                 << "settled models are published";
         }
     }

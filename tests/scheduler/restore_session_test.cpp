@@ -41,7 +41,7 @@ TEST(RestoreSession, TakesUpWhatTheLastSolveLeft) {
     ASSERT_TRUE(restored.ok()) << restored.error().message;
     EXPECT_TRUE(restored->remarks.empty());
     const ClusterEntry& entry = restored->state.clusters.entries().at(kCluster);
-    EXPECT_EQ(entry.material_state.images_at_full_adjustment, 3U);
+    EXPECT_EQ(entry.material.state.images_at_full_adjustment, 3U);
 }
 
 TEST(RestoreSession, OpensWithAWordWhereThatIsDamaged) {
@@ -50,8 +50,8 @@ TEST(RestoreSession, OpensWithAWordWhereThatIsDamaged) {
     ASSERT_EQ(restored->remarks.size(), 1U);
     EXPECT_EQ(restored->remarks.front().find("cluster 0: "), 0U) << restored->remarks.front();
     const ClusterEntry& entry = restored->state.clusters.entries().at(kCluster);
-    EXPECT_EQ(entry.material_state, SolveState{});
-    EXPECT_FALSE(entry.material.empty()) << "the model is good without it";
+    EXPECT_EQ(entry.material.state, SolveState{});
+    EXPECT_FALSE(entry.material.models.empty()) << "the model is good without it";
 }
 
 }  // namespace
