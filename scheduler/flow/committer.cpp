@@ -9,17 +9,8 @@
 #include "scheduler/flow/make_problems.h"
 #include "scheduler/flow/version_due.h"
 #include "scheduler/report/event_log.h"
-#include "stages/clustering/keep_apart.h"
 
 namespace psfm {
-namespace {
-
-/// Guard: bounds the images that wait for their version without holding a token: this part of all.
-/// Raised: more versions, so that the cost of an image grows with the session; lowered: fewer and
-/// later ones while images stream in faster than they are solved.
-constexpr std::uint32_t kImagesPerWaiting = 25;
-
-}  // namespace
 
 Committer::Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
                      SessionState state)
@@ -27,7 +18,9 @@ Committer::Committer(SessionStore& store, SessionConfig config, const StageOptio
       config_(std::move(config)),
       options_(options),
       state_(std::move(state)),
-      intake_(store, config_, options_, state_, outbox_) {}
+      reports_(config_, state_, outbox_),
+      intake_(store, config_, options_, state_, reports_, outbox_),
+      keeper_(store, options_, state_, outbox_) {}
 
 Result<CommitOutput> Committer::handle(const CommitInput& message) {
     CommitOutput output;
@@ -53,13 +46,20 @@ Result<void> Committer::on(const ExtractedMessage& message, CommitOutput& output
     return {};
 }
 
-void Committer::release_early(PendingImage& verified) {
-    if (config_.deterministic || !verified.admitted) return;
-    const auto waiting = std::ranges::count_if(
-        state_.pending, [](const auto& p) { return p.second.verified && !p.second.admitted; });
-    if (static_cast<std::uint32_t>(waiting) >= state_.verified / kImagesPerWaiting) return;
-    verified.admitted = false;
-    ++outbox_.images_released;
+Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*output*/) {
+    if (!message.pairs->ok()) return message.pairs->error();
+    const auto start = Clock::now();
+    const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
+    concluding_ = false;
+    const auto edit = keeper_.add_image(message.image, pairs);
+    if (!edit.ok()) return edit.error();
+    if (const auto done = store_->commit_pairs(message.image, pairs, edit->changed, edit->removed);
+        !done.ok())
+        return done.error();
+    store_->give_up_cache(bytes_of(pairs));
+    reports_.verify(message, milliseconds_since(start));
+    changed_ = true;
+    return {};
 }
 
 Result<void> Committer::on(const SourceIdle& message, CommitOutput& /*output*/) {
@@ -71,12 +71,6 @@ Result<void> Committer::on(const EndOfPhotos& message, CommitOutput& /*output*/)
     photos_before_idle_ = message.photos;
     photos_expected_ = message.photos;
     return {};
-}
-
-void Committer::tell(SessionEvent event) {
-    state_.past_events.push_back({state_.verified, name_of(event.kind), event.text});
-    if (state_.past_events.size() > SessionState::kPastEvents) state_.past_events.pop_front();
-    outbox_.events.push_back(std::move(event));
 }
 
 Result<std::vector<UnplacedImage>> Committer::images_to_adopt() {
@@ -110,8 +104,7 @@ Result<MergeMessage> Committer::problem_of_merge() {
 }
 
 Result<void> Committer::advance(CommitOutput& output) {
-    const bool all_verified =
-        std::ranges::all_of(state_.pending, [](const auto& p) { return p.second.verified; });
+    const bool all_verified = reports_.all_verified();
     const bool ended = photos_expected_ == photos_seen_;
     const bool hold = config_.batch && !(ended && all_verified);
     if (const auto settled = go_on_settling(output); !settled.ok()) return settled.error();
@@ -121,7 +114,7 @@ Result<void> Committer::advance(CommitOutput& output) {
     }
     // Settling begins once everything is published, so that what it starts from does not depend on
     // timing; what an earlier process was settling ends as one version, as it would have there.
-    const bool at_rest = state_.pending.empty() && !state_.clusters.busy() && !merging_;
+    const bool at_rest = reports_.empty() && !state_.clusters.busy() && !merging_;
     if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
         if (const auto concluded = conclude(output); !concluded.ok()) return concluded.error();
     }
@@ -158,22 +151,6 @@ bool Committer::more_to_come() const {
     if (image_tokens_ == nullptr || photos_before_idle_ == photos_seen_) return false;
     // Those that this message gives back are not there yet.
     return outbox_.images_released > 0 || image_tokens_->has_free();
-}
-
-StoredCluster Committer::stored(const ClusterEntry& entry) const {
-    StoredCluster cluster;
-    cluster.id = entry.id;
-    cluster.members = entry.membership.members;
-    cluster.topology = entry.membership.topology;
-    cluster.solved_topology = entry.published.topology;
-    cluster.revision = entry.published.revision;
-    cluster.transfer_topology = entry.material.transfer_topology;
-    cluster.adopted = state_.clusters.adopted_by(entry);
-    cluster.apart = apart_pairs_of(state_.edges, entry.membership.members);
-    for (const auto& [source, revision] : entry.material.brought) {
-        if (source != entry.id) cluster.recycled.push_back({source, revision});
-    }
-    return cluster;
 }
 
 }  // namespace psfm

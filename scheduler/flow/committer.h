@@ -7,12 +7,12 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <set>
-#include <span>
 #include <vector>
 
 #include "graph/result.h"
 #include "scheduler/flow/admission.h"
+#include "scheduler/flow/cluster_keeper.h"
+#include "scheduler/flow/image_reports.h"
 #include "scheduler/flow/intake.h"
 #include "scheduler/flow/outbox.h"
 #include "scheduler/session/messages.h"
@@ -79,36 +79,6 @@ class Committer {
     Result<bool> take_solution(const SolvedMessage& message);
     /// The contrary: its cluster is solved again, from what the store has.
     void give_up(const SolvedMessage& message);
-    /// Keeps images apart that a model shows beside each other and that are of different places,
-    /// and takes that back where a model says otherwise. @return what is to be stored for that
-    /// @errors those of the store
-    Result<StoredEdit> separate(const ClusterProblem& problem,
-                                const Result<ClusterSolution>& solution);
-    /// Takes over what changed in the view graph.
-    /// @param others  clusters whose records changed as well
-    /// @errors those of the store
-    Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
-    /// Takes over what changed in the clustering, because of these edges. @errors those of the
-    /// store
-    Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
-                             const std::set<ClusterId>& others);
-    /// Forgets which images of small clusters are of different places, as earlier models said it:
-    /// all images of the session say it again. Once for each number of them. @return whether there
-    /// was something @errors those of the store
-    Result<bool> forget_places();
-    /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return
-    /// whether there was something @errors those of the store
-    Result<bool> join_late();
-    /// Guests of large clusters after a change. @return clusters that got or lost one
-    std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
-                                        const ClusteringEdit& edit);
-    /// Clusters with a model that lost an edge between two of their images. @param except  these
-    /// not
-    std::vector<ClusterId> clusters_resting_on(std::span<const ImagePair> removed,
-                                               const std::set<ClusterId>& except) const;
-    /// The next image may come in although this one is not published yet: what a version costs
-    /// grows with the session, and so may the number of images that share it.
-    void release_early(PendingImage& verified);
     /// @errors those of the store
     Result<void> advance(CommitOutput& output);
     /// @errors those of the store
@@ -131,21 +101,16 @@ class Committer {
     Result<void> go_on_settling(CommitOutput& output);
     /// Photographs are waiting, and may come in: so a quiet moment is short.
     bool more_to_come() const;
-    /// Images that have their place in a merged model move to the clusters that will place them.
-    /// @return clusters that got one
-    std::vector<ClusterId> adopt(const MergedMessage& message);
-    void report_published(const MergeProblem& problem, double merge_ms, PublishMessage& publish);
-    /// To the log, and to `status`.
-    void tell(SessionEvent event);
     void count(const Scene& scene);
-    StoredCluster stored(const ClusterEntry& entry) const;
 
     SessionStore* store_;
     SessionConfig config_;
     StageOptions options_;
     SessionState state_;
     Outbox outbox_;
+    ImageReports reports_;
     Intake intake_;
+    ClusterKeeper keeper_;
     const Admission* image_tokens_ = nullptr;
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
@@ -161,8 +126,7 @@ class Committer {
     std::size_t settles_at_once_ = 8;
     /// No photograph has come since the session was at rest: what is solved looks at weak edges.
     bool concluding_ = false;
-    std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
-    std::size_t solving_ = 0;                // solves in flight
+    std::size_t solving_ = 0;            // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
     bool failed_ = false;
 };

@@ -4,12 +4,11 @@
 // The committer's last step: a merged version becomes the published scene.
 #include <algorithm>
 
-#include "graph/sorted_unique.h"
 #include "scheduler/flow/committer.h"
-#include "scheduler/report/describe_events.h"
 #include "scheduler/session/encode_state.h"
 
 namespace psfm {
+
 Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     merging_ = false;
     next_version_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -52,8 +51,8 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
         scene->clusters.push_back(std::move(shown));
     }
     std::vector<StoredCluster> adopting;
-    for (const ClusterId id : adopt(message))
-        adopting.push_back(stored(state_.clusters.entries().at(id)));
+    for (const ClusterId id : keeper_.adopt(message))
+        adopting.push_back(keeper_.stored(state_.clusters.entries().at(id)));
     count(*scene);
     stored_version.version = scene->version;
     stored_version.image_count = scene->image_count;
@@ -67,30 +66,9 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     PublishMessage publish;
     publish.scene = scene;
     publish.counts = state_.counts;
-    report_published(*message.problem, message.merge_ms, publish);
+    reports_.publish(*message.problem, message.merge_ms, publish);
     output.publish = std::move(publish);
     return {};
-}
-
-std::vector<ClusterId> Committer::adopt(const MergedMessage& message) {
-    std::vector<ClusterId> hosts;
-    for (const Adoption& adoption : message.result->value().adoptions) {
-        const auto tried =
-            std::ranges::lower_bound(*message.unplaced, adoption.image, {}, &UnplacedImage::id);
-        const ClusterEntry& own = state_.clusters.of(adoption.image);
-        const auto host = state_.clusters.entries().find(adoption.host);
-        // What was found may be outdated: then the next merge tries again.
-        const bool is_current = own.id == tried->tried_by && own.phase == ClusterPhase::kClean &&
-                                (!own.published.model || own.published.model->find(adoption.image) == nullptr) &&
-                                host != state_.clusters.entries().end() &&
-                                options_.solve.policy.makes_model(host->second.membership.members.size());
-        if (!is_current) continue;
-        tell(describe_adoption(adoption, own.id, state_.images[index_of(adoption.image)].name));
-        state_.clusters.adopt(adoption.image, adoption.host);
-        hosts.push_back(adoption.host);
-    }
-    sort_unique(hosts);
-    return hosts;
 }
 
 void Committer::count(const Scene& scene) {
@@ -106,36 +84,6 @@ void Committer::count(const Scene& scene) {
     counts.effective_clusters = scene.effective_clusters;
     counts.version = scene.version;
     counts.solves_coalesced = state_.clusters.coalesced();
-}
-
-void Committer::report_published(const MergeProblem& problem, double merge_ms,
-                                 PublishMessage& publish) {
-    // A deterministic session takes the next image when all clusters are at rest: an image that was
-    // adopted just now is still on its way.
-    if (config_.deterministic && state_.clusters.busy()) return;
-    for (auto& [index, pending] : state_.pending) {
-        if (pending.published || !pending.verified) continue;
-        const auto image = static_cast<ImageId>(index);
-        const ClusterEntry& entry = state_.clusters.of(image);
-        const auto merged =
-            std::ranges::lower_bound(problem.clusters, entry.id, {}, &MergeCluster::id);
-        if (merged == problem.clusters.end() || merged->id != entry.id) continue;
-        // Placed, though the cluster may be solved again for the sake of others; or tried in vain.
-        const bool placed = merged->model && merged->model->find(image) != nullptr;
-        const bool tried = merged->revision == entry.published.revision &&
-                           (merged->model == nullptr) == (entry.published.model == nullptr) &&
-                           entry.phase == ClusterPhase::kClean;
-        if (!placed && !tried) continue;
-        pending.published = true;
-        pending.report.merge_ms = merge_ms;
-        pending.report.latency_ms = milliseconds_since(pending.arrival);
-        if (pending.admitted) ++outbox_.images_released;
-    }
-    // Reports leave in order of arrival: one that is ready waits for those before it.
-    while (!state_.pending.empty() && state_.pending.begin()->second.published) {
-        publish.images.push_back(state_.pending.begin()->second.report);
-        state_.pending.erase(state_.pending.begin());
-    }
 }
 
 }  // namespace psfm

@@ -6,6 +6,7 @@
 #include "scheduler/flow/make_problems.h"
 
 namespace psfm {
+
 Result<void> Committer::on(const CatchUp& /*message*/, CommitOutput& /*output*/) {
     catching_up_ = true;
     const Scene& scene = *state_.scene;
@@ -17,23 +18,13 @@ Result<void> Committer::on(const CatchUp& /*message*/, CommitOutput& /*output*/)
         settle_first_ = settle_first_ || entry.published.settled;
     }
     for (std::uint32_t image = scene.image_count; image < state_.verified; ++image) {
-        PendingImage pending;
-        pending.report.index = image + 1;
-        pending.report.name = state_.images[image].name;
-        pending.arrival = Clock::now();
-        pending.verified = true;
-        pending.admitted = false;
-        state_.pending[image] = pending;
+        reports_.take_up(state_.images[image]);
     }
     return {};
 }
 
 Result<void> Committer::on(const ResumedImage& message, CommitOutput& output) {
-    PendingImage pending;
-    pending.report.index = index_of(message.image->image.id) + 1;
-    pending.report.name = message.image->image.name;
-    pending.arrival = Clock::now();
-    state_.pending[index_of(message.image->image.id)] = pending;
+    reports_.accept(message.image->image, Clock::now());
     auto accepted = std::make_shared<AcceptedImage>(*message.image);
     accepted->view_graph = state_.view_graph;
     output.accepted.push_back(std::move(accepted));

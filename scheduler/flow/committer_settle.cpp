@@ -14,11 +14,14 @@ namespace psfm {
 Result<void> Committer::conclude(CommitOutput& output) {
     concluding_ = true;
     if (!std::exchange(settle_first_, false)) {
-        const auto forgotten = forget_places();
-        if (!forgotten.ok()) return forgotten.error();
-        const auto joined = *forgotten ? Result<bool>(true) : join_late();
-        if (!joined.ok()) return joined.error();
-        if (*joined) return start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
+        auto edit = keeper_.forget_places();
+        if (edit.ok() && !changes_clusters(*edit)) edit = keeper_.join_late();
+        if (!edit.ok()) return edit.error();
+        if (changes_clusters(*edit)) {
+            changed_ = true;
+            if (const auto done = store_->commit_clusters(*edit); !done.ok()) return done.error();
+            return start_solves(state_.clusters.take_dirty(), /*settle=*/false, output);
+        }
     }
     begin_settling();
     return go_on_settling(output);

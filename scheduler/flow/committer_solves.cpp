@@ -12,13 +12,6 @@
 #include "scheduler/session/encode_state.h"
 
 namespace psfm {
-namespace {
-
-bool changes_clusters(const StoredEdit& edit) {
-    return !edit.changed.empty() || !edit.removed.empty();
-}
-
-}  // namespace
 
 Result<std::shared_ptr<const ClusterProblem>> Committer::problem_of(const ClusterEntry& entry,
                                                                     bool settle) {
@@ -112,25 +105,20 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
         case SolveKind::kTooSmall:
             break;
     }
-    for (auto& [index, pending] : state_.pending) {
-        const auto in_problem = std::ranges::lower_bound(
-            message.problem->images, static_cast<ImageId>(index), {}, &ClusterImage::id);
-        if (in_problem != message.problem->images.end() && index_of(in_problem->id) == index)
-            pending.report.solve_ms += statistics.milliseconds;
-    }
+    reports_.solve(*message.problem, statistics.milliseconds);
     if (statistics.reset) {
         ++state_.counts.resets;
-        tell(describe_reset(*message.problem, solution, state_.images));
+        outbox_.tell(describe_reset(*message.problem, solution, state_.images), state_);
     }
     if (auto cameras = describe_cameras(*message.problem, solution, state_.images))
-        tell(*std::move(cameras));
+        outbox_.tell(*std::move(cameras), state_);
     const ClusterEntry* entry =
         state_.clusters.finish(*message.problem, solution, message.solution->ok());
     outbox_.events.push_back(
         describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;
     if (entry == nullptr) {
-        const auto edit = separate(*message.problem, *message.solution);
+        const auto edit = keeper_.separate(*message.problem, *message.solution);
         if (!edit.ok()) return edit.error();
         if (!changes_clusters(*edit)) return false;
         const auto stored = store_->commit_clusters(*edit);
@@ -143,13 +131,13 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
     stored_solution.state_json = encode_solve_state({solution.state, entry->published.settled});
     stored_solution.succession = std::move(solution.succession);
     // What is found of places may change the clusters, and may be the end of this one.
-    StoredCluster own = stored(*entry);
-    auto edit = separate(*message.problem, *message.solution);
+    StoredCluster own = keeper_.stored(*entry);
+    auto edit = keeper_.separate(*message.problem, *message.solution);
     if (!edit.ok()) return edit.error();
     const bool changes = changes_clusters(*edit);
     std::erase_if(edit->changed, [&](const StoredCluster& c) { return c.id == own.id; });
     const auto still = state_.clusters.entries().find(own.id);
-    if (still != state_.clusters.entries().end()) own = stored(still->second);
+    if (still != state_.clusters.entries().end()) own = keeper_.stored(still->second);
     const auto stored = store_->commit_solution(stored_solution, own, *edit);
     return stored.ok() ? Result<bool>(changes) : stored.error();
 }

@@ -119,12 +119,7 @@ Result<AcceptedImagePtr> Intake::take(const ExtractedMessage& message) {
     state_->image_of_content.emplace(hash, image.id);
     state_->names.insert(image.name);
     state_->rejected.erase(image.name);
-    PendingImage pending;
-    pending.report.index = index_of(image.id) + 1;
-    pending.report.name = image.name;
-    pending.report.extract_ms = message.extract_ms;
-    pending.arrival = message.arrival;
-    state_->pending[index_of(image.id)] = pending;
+    reports_->accept(image, message.arrival, message.extract_ms);
     for (const std::string& remark : photo.remarks)
         outbox_->tell_of_photo(SessionEvent::Kind::kRemark, name, remark);
     tell_of_small_copies(image.id);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "graph/result.h"
+#include "scheduler/flow/image_reports.h"
 #include "scheduler/flow/outbox.h"
 #include "scheduler/session/messages.h"
 #include "scheduler/session/session_config.h"
@@ -21,8 +22,13 @@ class Intake {
   public:
     /// REQUIRES: all of them outlive this
     Intake(SessionStore& store, const SessionConfig& config, const StageOptions& options,
-           SessionState& state, Outbox& outbox)
-        : store_(&store), config_(&config), options_(&options), state_(&state), outbox_(&outbox) {}
+           SessionState& state, ImageReports& reports, Outbox& outbox)
+        : store_(&store),
+          config_(&config),
+          options_(&options),
+          state_(&state),
+          reports_(&reports),
+          outbox_(&outbox) {}
 
     /// Takes a photograph in, or says why not. What becomes an image is stored, and waits for its
     /// pairs.
@@ -51,6 +57,7 @@ class Intake {
     const SessionConfig* config_;
     const StageOptions* options_;
     SessionState* state_;
+    ImageReports* reports_;
     Outbox* outbox_;
 };
 

@@ -148,7 +148,8 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
 std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
-        problem->clusters.push_back({id, entry.published.revision, entry.published.model, entry.published.cameras});
+        problem->clusters.push_back(
+            {id, entry.published.revision, entry.published.model, entry.published.cameras});
     problem->pairs = state.merges.between.update(state.clusters, state.view_graph);
     problem->known = state.merges.constraints;
     problem->known_poses = state.merges.known_poses;
@@ -187,7 +188,8 @@ std::vector<UnplacedImage> unplaced_images(const SessionState& state, const Sess
             for (const ViewGraph::Edge& edge : state.view_graph.edges(image_id)) {
                 if (edge.weight == 0.0) continue;
                 const ClusterEntry& other = state.clusters.of(edge.neighbor);
-                if (!other.published.model || other.published.model->find(edge.neighbor) == nullptr) continue;
+                if (!other.published.model || other.published.model->find(edge.neighbor) == nullptr)
+                    continue;
                 candidate.edges.push_back({edge.pair, other.id});
                 elsewhere = elsewhere || other.id != id;
                 has_changed = has_changed || !is_shown(other, *state.scene);

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "scheduler/report/event_log.h"
 #include "scheduler/session/messages.h"
+#include "scheduler/session/session_state.h"
 
 namespace psfm {
 
@@ -23,6 +25,12 @@ struct Outbox {
         event.kind = kind;
         event.text = text;
         event.images = {name};
+        events.push_back(std::move(event));
+    }
+    /// To those who watch, and to `status`: `state` remembers it.
+    void tell(SessionEvent event, SessionState& state) {
+        state.past_events.push_back({state.verified, name_of(event.kind), event.text});
+        if (state.past_events.size() > SessionState::kPastEvents) state.past_events.pop_front();
         events.push_back(std::move(event));
     }
     bool empty() const { return events.empty() && photos_released == 0 && images_released == 0; }

@@ -23,7 +23,8 @@ std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
         const auto from = entries_.find(moved.from);
         if (from == entries_.end()) continue;
         std::vector<RecycledModel>& models = arriving[moved.to];
-        models.insert(models.end(), from->second.material.models.begin(), from->second.material.models.end());
+        models.insert(models.end(), from->second.material.models.begin(),
+                      from->second.material.models.end());
     }
     return arriving;
 }
@@ -35,7 +36,8 @@ std::optional<RecycledModel> ClusterTable::arriving_part(const RecycledModel& so
     auto part =
         std::make_shared<const Reconstruction>(restricted_to(*source.model, images_of(entry)));
     if (!makes_model(part->images.size())) return std::nullopt;
-    return RecycledModel{source.cluster, source.revision, std::move(part), entry.membership.topology};
+    return RecycledModel{source.cluster, source.revision, std::move(part),
+                         entry.membership.topology};
 }
 
 /// Leaves of an entry's models what its images see. @return whether it lost some
@@ -159,7 +161,8 @@ std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
 std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     std::vector<const ClusterEntry*> taken;
     for (auto& [id, entry] : entries_) {
-        if (entry.phase != ClusterPhase::kClean || entry.published.settled || !has_model(entry.published.model))
+        if (entry.phase != ClusterPhase::kClean || entry.published.settled ||
+            !has_model(entry.published.model))
             continue;
         set_phase(entry, ClusterPhase::kSolving);
         taken.push_back(&entry);
@@ -191,13 +194,16 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         std::erase_if(entry.material.models, [&](const RecycledModel& recycled) {
             return recycled.arrived <= solution.topology;
         });
-        entry.material.models.insert(entry.material.models.begin(),
-                              {entry.id, entry.published.revision + (current ? 1 : 0), solution.model});
+        entry.material.models.insert(
+            entry.material.models.begin(),
+            {entry.id, entry.published.revision + (current ? 1 : 0), solution.model});
         entry.material.state = solution.state;
         std::optional<Succession>& succession = solution.succession;
-        if (succession && entry.material.to_outgrown && succession->before == entry.material.outgrown)
+        if (succession && entry.material.to_outgrown &&
+            succession->before == entry.material.outgrown)
             succession = compose(*entry.material.to_outgrown, *succession);
-        const bool is_outgrown = !current && succession && succession->before == entry.published.model;
+        const bool is_outgrown =
+            !current && succession && succession->before == entry.published.model;
         entry.material.outgrown = is_outgrown ? solution.model : nullptr;
         entry.material.to_outgrown = is_outgrown ? succession : std::nullopt;
     }
@@ -241,8 +247,9 @@ void ClusterTable::learn_cameras(ClusterId cluster,
 }
 
 bool ClusterTable::may_rest(const ClusterEntry& entry) {
-    return !entry.published.rests && entry.phase == ClusterPhase::kClean && has_model(entry.published.model) &&
-           entry.published.cameras && entry.material.models.size() == 1 &&
+    return !entry.published.rests && entry.phase == ClusterPhase::kClean &&
+           has_model(entry.published.model) && entry.published.cameras &&
+           entry.material.models.size() == 1 &&
            entry.material.models.front().model == entry.published.model && !entry.material.outgrown;
 }
 
@@ -289,7 +296,8 @@ void ClusterTable::restore(ClusterEntry entry) {
         if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
         cluster_of_[index_of(image)] = entry.id;
     }
-    const bool dirty = entry.published.topology != entry.membership.topology && makes_model(entry.membership.members.size());
+    const bool dirty = entry.published.topology != entry.membership.topology &&
+                       makes_model(entry.membership.members.size());
     set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
     entries_[entry.id] = std::move(entry);
 }

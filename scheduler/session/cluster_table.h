@@ -66,8 +66,8 @@ struct PublishedModel {
 struct SolveMaterial {
     std::vector<RecycledModel> models;
     SolveState state;  ///< of the own model
-    /// The own model where it is a result that the cluster had outgrown, and how it follows from the
-    /// published one; none: it is the published one, or does not.
+    /// The own model where it is a result that the cluster had outgrown, and how it follows from
+    /// the published one; none: it is the published one, or does not.
     std::shared_ptr<const Reconstruction> outgrown;
     std::optional<Succession> to_outgrown;
     /// Stored solutions that the models came from since the last published one: what a process

@@ -81,7 +81,8 @@ bool ClusterTable::stays_adopted(ImageId image) const {
     if (home == home_of_adopted_.end() || cluster_of_[index_of(image)] != home->second)
         return false;
     const auto host = entries_.find(*host_of(image));
-    if (host == entries_.end() || !makes_model(host->second.membership.members.size())) return false;
+    if (host == entries_.end() || !makes_model(host->second.membership.members.size()))
+        return false;
     const ClusterEntry& entry = host->second;
     const bool is_placed = entry.published.model && entry.published.model->find(image) != nullptr;
     return is_placed || entry.phase != ClusterPhase::kClean;

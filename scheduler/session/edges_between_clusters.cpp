@@ -11,7 +11,8 @@ std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable
     std::vector<ClusterId> outdated;
     for (const auto& [id, placed] : placed_) {
         const auto entry = clusters.entries().find(id);
-        if (entry == clusters.entries().end() || entry->second.published.placing_changes != placed.changes)
+        if (entry == clusters.entries().end() ||
+            entry->second.published.placing_changes != placed.changes)
             outdated.push_back(id);
     }
     forget(outdated);

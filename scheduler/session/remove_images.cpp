@@ -78,7 +78,8 @@ bool rests_on(const ClusterEntry& entry, const Images& removed) {
                });
     };
     return std::ranges::any_of(entry.membership.members, is_removed) ||
-           std::ranges::any_of(entry.membership.guests, is_removed) || holds(entry.published.model) ||
+           std::ranges::any_of(entry.membership.guests, is_removed) ||
+           holds(entry.published.model) ||
            std::ranges::any_of(entry.material.models,
                                [&](const RecycledModel& m) { return holds(m.model); });
 }

@@ -106,10 +106,12 @@ Result<void> restore_models(const SessionReader& store, const StoredCluster& sto
                             ClusterEntry& entry) {
     auto solution = store.solution(stored.id);
     if (!solution.ok()) return solution.error();
-    if (solution->has_value() && options.solve.policy.makes_model(entry.membership.members.size())) {
+    if (solution->has_value() &&
+        options.solve.policy.makes_model(entry.membership.members.size())) {
         const StoredSolveState solve_state = solve_state_of(stored, **solution, remarks);
         entry.published.model = (*solution)->model;
-        entry.published.settled = solve_state.settled && entry.published.topology == entry.membership.topology;
+        entry.published.settled =
+            solve_state.settled && entry.published.topology == entry.membership.topology;
         if (!entry.published.model->empty()) {
             entry.material.models = {{stored.id, stored.revision, entry.published.model}};
             entry.material.state = solve_state.state;

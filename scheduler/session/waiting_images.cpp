@@ -38,7 +38,8 @@ std::vector<WeakModel> weak_models(const SessionState& state) {
     for (const auto& [id, entry] : state.clusters.entries()) {
         const Weaknesses& weaknesses = entry.material.state.weaknesses;
         if (!entry.published.model || entry.published.model->empty() || weaknesses.none()) continue;
-        weak.push_back({id, static_cast<std::uint32_t>(entry.published.model->images.size()), weaknesses});
+        weak.push_back(
+            {id, static_cast<std::uint32_t>(entry.published.model->images.size()), weaknesses});
     }
     return weak;
 }
@@ -46,11 +47,12 @@ std::vector<WeakModel> weak_models(const SessionState& state) {
 std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        const bool unsolved =
-            entry.phase == ClusterPhase::kClean && (!entry.published.model || entry.published.model->empty());
+        const bool unsolved = entry.phase == ClusterPhase::kClean &&
+                              (!entry.published.model || entry.published.model->empty());
         Turns of_cluster;
         if (unsolved) {
-            for (const ImageId image : entry.membership.members) of_cluster.add(state.view_graph, image);
+            for (const ImageId image : entry.membership.members)
+                of_cluster.add(state.view_graph, image);
         }
         for (const ImageId image : state.clusters.unplaced_of(entry)) {
             if (state.is_removed(image)) continue;

@@ -116,7 +116,8 @@ TEST(Adoption, AnImageIsPlacedByTheClusterThatKnowsItsSurroundings) {
     EXPECT_EQ(settling(), 1) << "all models at once";
     EXPECT_EQ(session.state().counts.placed, kImages);
     EXPECT_EQ(adoptions(session).size(), 1U);
-    for (const auto& [id, entry] : session.state().clusters.entries()) EXPECT_TRUE(entry.published.settled);
+    for (const auto& [id, entry] : session.state().clusters.entries())
+        EXPECT_TRUE(entry.published.settled);
 }
 
 TEST(Adoption, OutlastsImagesThatArriveAfterIt) {

@@ -136,7 +136,8 @@ TEST(ClusterTable, JoinedModelsAreBothMaterial) {
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U);
     EXPECT_EQ(material_of(*dirty.front()), (Models{images({0, 1, 2}), images({3, 4, 5})}));
-    EXPECT_EQ(dirty.front()->material.models.back().cluster, cluster(1)) << "so that it can be stored";
+    EXPECT_EQ(dirty.front()->material.models.back().cluster, cluster(1))
+        << "so that it can be stored";
     EXPECT_EQ(dirty.front()->material.models.back().revision, 1U);
     EXPECT_NE(dirty.front()->published.model, nullptr)
         << "what was published stays until the new model is there";
@@ -160,7 +161,8 @@ TEST(ClusterTable, ASplitModelIsCutAndBothPartsKeepTheirs) {
     EXPECT_EQ(material_of(*dirty[0]), Models{images({0, 1, 2})});
     EXPECT_EQ(material_of(*dirty[1]), Models{images({3, 4, 5})});
     ASSERT_NE(dirty[0]->published.model, nullptr) << "what stays is shown on";
-    EXPECT_EQ(images_in(*dirty[0]->published.model), images({0, 1, 2})) << "no image stands in two models";
+    EXPECT_EQ(images_in(*dirty[0]->published.model), images({0, 1, 2}))
+        << "no image stands in two models";
     EXPECT_EQ(dirty[0]->published.revision, 1U) << "of the solution that it is a part of";
     EXPECT_EQ(dirty[1]->published.model, nullptr);
 }
@@ -358,10 +360,8 @@ TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
 TEST(ClusterTable, CleanClustersRestWhenTheyAreRestored) {
     for (const bool is_dirty : {false, true}) {
         ClusterTable table(kMuMin);
-        ClusterEntry entry;
-        entry.id = cluster(0);
-        entry.membership.members = images({0, 1, 2});
-        entry.membership.topology = 4;
+        ClusterEntry entry{.id = cluster(0)};
+        entry.membership = {.members = images({0, 1, 2}), .guests = {}, .topology = 4};
         entry.published.topology = is_dirty ? 3 : 4;
         entry.published.revision = 1;
         table.restore(entry);

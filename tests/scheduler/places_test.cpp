@@ -111,7 +111,8 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     const auto cluster_of = [&](std::uint32_t street_of) {
         const bool is_first = streets.first_street.contains(static_cast<ImageId>(street_of));
         for (const auto& [id, entry] : session.state().clusters.entries()) {
-            if (entry.published.model && streets.first_street.contains(entry.membership.members.front()) == is_first)
+            if (entry.published.model &&
+                streets.first_street.contains(entry.membership.members.front()) == is_first)
                 return id;
         }
         return ClusterId{};

@@ -277,7 +277,8 @@ TEST(ModelsOfASession, SettleAFewAtATime) {
             1);
         EXPECT_EQ(session.state().scene->version, store->scene()->version);
         for (const auto& shown : session.state().scene->clusters) {
-            EXPECT_EQ(shown->revision, session.state().clusters.entries().at(shown->id).published.revision)
+            EXPECT_EQ(shown->revision,
+                      session.state().clusters.entries().at(shown->id).published.revision)
                 << "settled models are published";
         }
     }
