@@ -10,7 +10,7 @@
 
 #include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
-#include "tests/synthetic/render.h"
+#include "tests/synthetic/photographs/render.h"
 
 namespace psfm {
 namespace {

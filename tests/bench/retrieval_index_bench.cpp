@@ -20,7 +20,7 @@
 #include "stages/retrieval/expand_candidates.h"
 #include "stages/retrieval/inverted_file.h"
 #include "stages/retrieval/retrieval_options.h"
-#include "tests/synthetic/look_alike_scene.h"
+#include "tests/synthetic/look_alikes/look_alike_scene.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm {

@@ -20,8 +20,8 @@
 #include "scheduler/flow/run_session.h"
 #include "stages/evaluation/evaluate_model.h"
 #include "stages/features/photographs/photo_listing.h"
-#include "tests/synthetic/paint.h"
-#include "tests/synthetic/photograph.h"
+#include "tests/synthetic/photographs/paint.h"
+#include "tests/synthetic/photographs/photograph.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm {

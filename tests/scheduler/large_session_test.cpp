@@ -20,8 +20,8 @@
 
 #include "stages/evaluation/evaluate_model.h"
 #include "tests/scheduler/imported_session.h"
-#include "tests/synthetic/look_alike_scene.h"
-#include "tests/synthetic/write_simulation.h"
+#include "tests/synthetic/look_alikes/look_alike_scene.h"
+#include "tests/synthetic/look_alikes/write_simulation.h"
 
 namespace psfm {
 namespace {

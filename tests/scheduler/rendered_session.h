@@ -15,7 +15,7 @@
 #include "graph/reconstruction.h"
 #include "scheduler/flow/run_session.h"
 #include "stages/features/photographs/photo_listing.h"
-#include "tests/synthetic/render.h"
+#include "tests/synthetic/photographs/render.h"
 
 namespace psfm {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "tests/scheduler/decorated_photos.h"
-#include "tests/synthetic/render.h"
+#include "tests/synthetic/photographs/render.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "graph/result.h"
-#include "tests/synthetic/render.h"
+#include "tests/synthetic/photographs/render.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm::synthetic {

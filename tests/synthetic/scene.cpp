@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/synthetic/camera_path.h"
+#include "tests/synthetic/photographs/camera_path.h"
 #include "tests/synthetic/point_grid.h"
 #include "tests/synthetic/rng.h"
 #include "tests/synthetic/scene_feature.h"

@@ -10,9 +10,9 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/exit_codes.h"
-#include "tools/commands/report_error.h"
-#include "tools/commands/wording.h"
+#include "tools/commands/console/exit_codes.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/wording.h"
 
 namespace psfm {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
 
 namespace psfm {
 namespace {

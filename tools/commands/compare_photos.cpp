@@ -13,8 +13,8 @@
 #include "stages/features/photographs/photo_mask.h"
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/small_copies.h"
+#include "tools/commands/console/wording.h"
 #include "tools/commands/session_runner.h"
-#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {

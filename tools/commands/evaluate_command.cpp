@@ -13,8 +13,8 @@
 #include "storage/exchange/models/read_colmap.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/evaluation_report.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/evaluation_report.h"
+#include "tools/commands/console/report_error.h"
 
 namespace psfm {
 namespace {

@@ -20,9 +20,9 @@
 #include "stages/localisation/localise_photo.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/exit_codes.h"
-#include "tools/commands/report_error.h"
-#include "tools/commands/thread_budget.h"
+#include "tools/commands/console/exit_codes.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/thread_budget.h"
 #include "tools/report/json_text.h"
 
 namespace psfm {

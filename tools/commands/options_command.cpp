@@ -11,7 +11,7 @@
 #include "scheduler/session/option_table.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
 
 namespace psfm {
 namespace {

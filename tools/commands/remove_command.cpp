@@ -14,10 +14,10 @@
 
 #include "scheduler/session/remove_images.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/wording.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
-#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {

@@ -20,8 +20,8 @@
 #include "storage/database/session_folder.h"
 #include "storage/database/system_error.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/exit_codes.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/exit_codes.h"
+#include "tools/commands/console/report_error.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {

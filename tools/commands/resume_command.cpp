@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "tools/commands/commands.h"
+#include "tools/commands/console/report_error.h"
 #include "tools/commands/photo_order.h"
-#include "tools/commands/report_error.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
 

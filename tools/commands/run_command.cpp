@@ -10,8 +10,8 @@
 #include "stages/features/photographs/masks_beside_photos.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/given_cameras.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/exchange/given_cameras.h"
 #include "tools/commands/session_options.h"
 
 namespace psfm {

@@ -10,9 +10,9 @@
 #include "storage/database/session_folder.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/wording.h"
 #include "tools/commands/serve_session.h"
-#include "tools/commands/wording.h"
 #include "tools/serve/qr_code.h"
 #include "tools/serve/users.h"
 

@@ -14,10 +14,10 @@
 
 #include "scheduler/report/event_log.h"
 #include "scheduler/session/option_table.h"
-#include "tools/commands/progress.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/progress.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/thread_budget.h"
 #include "tools/commands/session_runner.h"
-#include "tools/commands/thread_budget.h"
 #include "tools/serve/api.h"
 #include "tools/serve/http_server.h"
 #include "tools/serve/pages.h"

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "scheduler/session/option_table.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/wording.h"
 #include "tools/commands/photo_order.h"
-#include "tools/commands/report_error.h"
 #include "tools/commands/session_runner.h"
-#include "tools/commands/wording.h"
 
 namespace psfm {
 namespace {

@@ -13,12 +13,12 @@
 
 #include "stages/features/photographs/photo_listing.h"
 #include "storage/exchange/database/colmap_database.h"
-#include "tools/commands/progress.h"
-#include "tools/commands/report_error.h"
-#include "tools/commands/thread_budget.h"
-#include "tools/commands/waiting_report.h"
+#include "tools/commands/console/progress.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/thread_budget.h"
+#include "tools/commands/console/waiting_report.h"
+#include "tools/commands/console/wording.h"
 #include "tools/commands/watch_folder.h"
-#include "tools/commands/wording.h"
 #include "tools/report/featureless.h"
 
 namespace psfm {

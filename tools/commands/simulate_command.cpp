@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
-#include "tests/synthetic/look_alike_scene.h"
-#include "tests/synthetic/write_simulation.h"
+#include "tests/synthetic/look_alikes/look_alike_scene.h"
+#include "tests/synthetic/look_alikes/write_simulation.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
 
 namespace psfm {
 namespace {

@@ -13,11 +13,11 @@
 #include "scheduler/report/camera_report.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/geo_report.h"
-#include "tools/commands/progress.h"
-#include "tools/commands/report_error.h"
-#include "tools/commands/waiting_report.h"
-#include "tools/commands/wording.h"
+#include "tools/commands/console/progress.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/waiting_report.h"
+#include "tools/commands/console/wording.h"
+#include "tools/commands/exchange/geo_report.h"
 #include "tools/report/status_json.h"
 
 namespace psfm {

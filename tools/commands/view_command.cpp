@@ -9,10 +9,10 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/geo_report.h"
-#include "tools/commands/report_error.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/write_whole_file.h"
+#include "tools/commands/exchange/geo_report.h"
 #include "tools/commands/serve_session.h"
-#include "tools/commands/write_whole_file.h"
 #include "tools/serve/page_data.h"
 #include "tools/serve/pages.h"
 #include "tools/serve/replay.h"

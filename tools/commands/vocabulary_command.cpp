@@ -22,9 +22,9 @@
 #include "stages/retrieval/train_vocabulary.h"
 #include "stages/retrieval/vocabulary_file.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/progress.h"
-#include "tools/commands/report_error.h"
-#include "tools/commands/thread_budget.h"
+#include "tools/commands/console/progress.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/thread_budget.h"
 
 namespace psfm {
 namespace {

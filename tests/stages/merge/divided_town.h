@@ -14,7 +14,7 @@
 
 #include "stages/merge/run_merge.h"
 #include "tests/stages/merge/cut_scene.h"
-#include "tests/synthetic/look_alike_geometry.h"
+#include "tests/synthetic/look_alikes/look_alike_geometry.h"
 
 namespace psfm::test {
 

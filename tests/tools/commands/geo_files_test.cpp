@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/geo_files.h"
+#include "tools/commands/exchange/geo_files.h"
 
 #include <gtest/gtest.h>
 
 #include <GeographicLib/Geocentric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tools/commands/geo_report.h"
+#include "tools/commands/exchange/geo_report.h"
 
 namespace psfm {
 namespace {

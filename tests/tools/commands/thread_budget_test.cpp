@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/thread_budget.h"
+#include "tools/commands/console/thread_budget.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

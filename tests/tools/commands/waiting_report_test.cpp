@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/waiting_report.h"
+#include "tools/commands/console/waiting_report.h"
 
 #include <gtest/gtest.h>
 

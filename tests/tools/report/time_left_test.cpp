@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/time_left.h"
+#include "tools/commands/console/time_left.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scheduler/session/edges_between_clusters.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/scheduler/session/made_up_clusters.h"
+
+namespace psfm {
+namespace {
+
+using test::cluster;
+using test::image;
+
+/// Clusters whose images come, move, leave and are other clusters' guests; and their edges.
+class Session {
+  public:
+    Session() : table_(test::kMuMin) {}
+
+    void add_image(ClusterId to) {
+        const ImageId added = view_graph_.add_node();
+        members_[to].push_back(added);
+        ClusteringEdit edit;
+        edit.changed.push_back({to, members_[to]});
+        table_.apply(edit);
+    }
+
+    void connect(std::uint32_t a, std::uint32_t b) {
+        auto pair = std::make_shared<VerifiedPair>();
+        pair->pair = ImagePair::of(image(a), image(b));
+        view_graph_.add_edge(image(a), image(b), 50.0, std::move(pair));
+        table_.edges_changed(std::vector{image(a), image(b)});
+    }
+
+    void disconnect(std::uint32_t a, std::uint32_t b) {
+        view_graph_.remove_edge(image(a), image(b));
+        table_.edges_changed(std::vector{image(a), image(b)});
+    }
+
+    void move(std::uint32_t moved, ClusterId from, ClusterId to) {
+        std::erase(members_[from], image(moved));
+        members_[to].push_back(image(moved));
+        std::ranges::sort(members_[to]);
+        ClusteringEdit edit;
+        for (const ClusterId changed : {std::min(from, to), std::max(from, to)})
+            edit.changed.push_back({changed, members_[changed]});
+        edit.moved.push_back({from, to, {image(moved)}});
+        table_.apply(edit);
+    }
+
+    void remove(ClusterId gone, ClusterId to) {
+        ClusteringEdit edit;
+        edit.moved.push_back({gone, to, members_[gone]});
+        std::ranges::copy(members_[gone], std::back_inserter(members_[to]));
+        std::ranges::sort(members_[to]);
+        members_.erase(gone);
+        edit.changed.push_back({to, members_[to]});
+        edit.removed.push_back(gone);
+        table_.apply(edit, [&] {
+            for (const ImageId guest : table_.guests_of(edit.removed)) host(guest, std::nullopt);
+        });
+    }
+
+    /// Makes an image another cluster's guest; or its own cluster's again.
+    void host(ImageId guest, std::optional<ClusterId> host) {
+        if (host && std::ranges::count(members_[*host], guest) > 0) host.reset();
+        const std::pair<ImageId, std::optional<ClusterId>> changed{guest, host};
+        table_.set_hosts(std::span(&changed, 1));
+    }
+
+    void solve() {
+        for (const ClusterEntry* entry : table_.take_dirty()) {
+            test::Solve solve = test::solve_of(*entry, table_.images_of(*entry));
+            table_.finish(solve.problem, solve.solution);
+        }
+    }
+
+    ClusterTable& table() { return table_; }
+    const std::map<ClusterId, std::vector<ImageId>>& members() const { return members_; }
+    std::vector<ClusterPairEdgesPtr> update() { return between_.update(table_, view_graph_); }
+    std::vector<ClusterPairEdgesPtr> anew() const {
+        return EdgesBetweenClusters().update(table_, view_graph_);
+    }
+    bool connected(std::uint32_t a, std::uint32_t b) const {
+        return view_graph_.find(image(a), image(b)) != nullptr;
+    }
+    std::size_t size() const { return view_graph_.size(); }
+
+  private:
+    ClusterTable table_;
+    ViewGraph view_graph_;
+    std::map<ClusterId, std::vector<ImageId>> members_;
+    EdgesBetweenClusters between_;
+};
+
+std::vector<ImagePair> pairs_of(const ClusterPairEdges& edges) {
+    std::vector<ImagePair> pairs;
+    for (const VerifiedPairPtr& edge : edges.edges) pairs.push_back(edge->pair);
+    return pairs;
+}
+
+Session two_clusters() {
+    Session session;
+    for (std::uint32_t i = 0; i < 8; ++i) session.add_image(cluster(i / 4));
+    session.connect(0, 4);
+    session.connect(7, 1);
+    session.connect(0, 1);
+    return session;
+}
+
+TEST(EdgesBetweenClusters, AreThoseBetweenPlacedImagesOfDifferentClusters) {
+    Session session = two_clusters();
+    EXPECT_TRUE(session.update().empty()) << "nothing is placed yet";
+    session.solve();
+    const auto pairs = session.update();
+    ASSERT_EQ(pairs.size(), 1U);
+    EXPECT_EQ(pairs[0]->a, cluster(0));
+    EXPECT_EQ(pairs[0]->b, cluster(1));
+    EXPECT_EQ(pairs_of(*pairs[0]),
+              (std::vector{ImagePair::of(image(0), image(4)), ImagePair::of(image(1), image(7))}));
+}
+
+TEST(EdgesBetweenClusters, ClustersThatHaveNotChangedAreNotLookedAtAgain) {
+    Session session = two_clusters();
+    for (std::uint32_t i = 8; i < 12; ++i) session.add_image(cluster(2));
+    session.connect(5, 9);
+    session.solve();
+    const auto before = session.update();
+    ASSERT_EQ(before.size(), 2U);
+    EXPECT_EQ(session.update(), before) << "the same objects";
+    session.add_image(cluster(2));
+    session.solve();
+    const auto after = session.update();
+    ASSERT_EQ(after.size(), 2U);
+    EXPECT_EQ(after[0], before[0]);
+    EXPECT_NE(after[1], before[1]);
+    EXPECT_EQ(after[1]->hash, before[1]->hash) << "of the same pairs";
+}
+
+TEST(EdgesBetweenClusters, AGuestIsItsHosts) {
+    Session session = two_clusters();
+    session.solve();
+    session.table().adopt(image(4), cluster(0));
+    EXPECT_EQ(session.update().size(), 1U);
+    EXPECT_EQ(session.update()[0]->edges.size(), 1U) << "its host has not placed it yet";
+    session.solve();
+    EXPECT_EQ(pairs_of(*session.update()[0]), (std::vector{ImagePair::of(image(1), image(7))}));
+}
+
+TEST(EdgesBetweenClusters, AreWhatLookingAtAllClustersFinds) {
+    std::mt19937 random(3);
+    const auto below = [&](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
+    Session session;
+    std::uint32_t next_cluster = 6;
+    for (std::uint32_t i = 0; i < 24; ++i) session.add_image(cluster(i % next_cluster));
+    std::size_t seen = 0;
+    for (int step = 0; step < 600; ++step) {
+        const auto any_cluster = [&] {
+            return std::next(session.members().begin(), below(session.members().size()))->first;
+        };
+        const std::uint32_t a = below(session.size());
+        const std::uint32_t b = below(session.size());
+        const ClusterId from = any_cluster();
+        const ClusterId to = any_cluster();
+        switch (below(7)) {
+            case 0:
+                session.add_image(below(8) == 0 ? cluster(next_cluster++) : to);
+                break;
+            case 1:
+            case 2:
+                if (a != b && !session.connected(a, b)) session.connect(a, b);
+                break;
+            case 3:
+                if (a != b && session.connected(a, b)) session.disconnect(a, b);
+                break;
+            case 4:
+                if (from != to && session.members().at(from).size() > 1) {
+                    const auto& own = session.members().at(from);
+                    session.move(index_of(own[below(own.size())]), from, to);
+                }
+                break;
+            case 5:
+                session.host(image(a), to);
+                break;
+            default:
+                if (from != to && below(6) == 0) session.remove(from, to);
+        }
+        if (below(2) == 0) session.solve();
+        const auto known = session.update();
+        const auto anew = session.anew();
+        ASSERT_EQ(known.size(), anew.size()) << step;
+        for (std::size_t k = 0; k < known.size(); ++k) {
+            ASSERT_EQ(known[k]->a, anew[k]->a) << step;
+            ASSERT_EQ(known[k]->b, anew[k]->b) << step;
+            ASSERT_EQ(pairs_of(*known[k]), pairs_of(*anew[k])) << step;
+            ASSERT_EQ(known[k]->hash, anew[k]->hash) << step;
+            ++seen;
+        }
+    }
+    EXPECT_GT(seen, 1000U);
+}
+
+}  // namespace
+}  // namespace psfm

@@ -1,0 +1,329 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/exchange/export_dataset.h"
+
+#include <algorithm>
+#include <iostream>
+#include <numeric>
+#include <set>
+
+#include "scheduler/session/session_config.h"
+#include "storage/exchange/models/dataset_names.h"
+#include "storage/exchange/models/export_models.h"
+#include "storage/exchange/models/previous_export.h"
+#include "storage/exchange/models/write_dataset.h"
+#include "storage/exchange/models/write_models.h"
+#include "storage/session/session_store.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/thread_budget.h"
+#include "tools/commands/console/wording.h"
+#include "tools/commands/exchange/dataset_pictures.h"
+#include "tools/commands/exchange/geo_files.h"
+#include "tools/commands/exchange/geo_report.h"
+
+namespace psfm {
+namespace {
+
+/// What the session has to say.
+struct DatasetContents {
+    Scene scene;
+    std::vector<Image> images;
+    std::filesystem::path photo_folder;
+    std::filesystem::path mask_folder;  ///< of `psfm run --masks`; empty: none
+    std::vector<ExportedModel> models;
+};
+
+Result<DatasetContents> read_session(const SessionReader& session,
+                                     std::optional<std::uint32_t> after_image) {
+    DatasetContents contents;
+    auto scene = after_image ? session.scene_after(*after_image) : session.scene();
+    if (!scene.ok()) return scene.error();
+    contents.scene = *std::move(scene);
+    auto images = session.images();
+    if (!images.ok()) return images.error();
+    contents.images = *std::move(images);
+    const auto settings = session.settings();
+    if (!settings.ok()) return settings.error();
+    contents.photo_folder = settings->photo_folder;
+    const auto config = decode_config(settings->settings_json);
+    if (!config.ok()) return config.error();
+    contents.mask_folder = config->masks;
+    auto models = export_models(
+        contents.scene, contents.images, [&](ImageId image) { return session.keypoints(image); },
+        FeatureUse::kObserved);
+    if (!models.ok()) return models.error();
+    contents.models = *std::move(models);
+    return contents;
+}
+
+DatasetPictureOptions picture_options(const DatasetArguments& arguments) {
+    DatasetPictureOptions options;
+    options.view.blank_pixels = arguments.blank_pixels;
+    options.view.max_size = arguments.max_size;
+    options.view.centred = !arguments.off_centre;
+    options.picture.jpeg_quality = arguments.jpeg_quality;
+    options.picture.reductions = arguments.reductions;
+    options.picture.masks = arguments.masks || !arguments.mask_folder.empty();
+    options.picture.mask_folder = arguments.mask_folder;
+    if (arguments.image_format == "jpg") options.picture.format = PictureFormat::kJpeg;
+    if (arguments.image_format == "png") options.picture.format = PictureFormat::kPng;
+    for (const std::uint32_t factor : arguments.reductions)
+        options.view.multiple = std::lcm(options.view.multiple, factor);
+    return options;
+}
+
+bool is_picture_folder(const std::string& name) {
+    return name.starts_with("images") || name.starts_with("masks");
+}
+
+/// Files that are replaced as a whole: those of a part's folder.
+bool belongs_to_parts(const std::string& path, bool one_part) {
+    const std::string first = path.substr(0, path.find('/'));
+    if (!one_part) return std::ranges::all_of(first, [](char c) { return c >= '0' && c <= '9'; });
+    static const std::set<std::string> kNames{"sparse", "stereo", "transforms.json",
+                                              "sparse_pc.ply", kDatasetRecordName};
+    return kNames.contains(first) || is_picture_folder(first);
+}
+
+/// What an export that was killed left: pictures that had no name yet.
+void remove_leftovers(const std::filesystem::path& folder) {
+    std::error_code failure;
+    for (std::filesystem::directory_iterator entry(folder, failure), end; !failure && entry != end;
+         entry.increment(failure)) {
+        std::error_code ignored;
+        if (entry->path().extension() == ".partial")
+            std::filesystem::remove(entry->path(), ignored);
+    }
+}
+
+/// One export into one folder.
+class DatasetExport {
+  public:
+    DatasetExport(const DatasetContents& contents, const DatasetArguments& arguments,
+                  std::filesystem::path output, PreviousExport previous)
+        : contents_(contents),
+          arguments_(arguments),
+          options_(picture_options(arguments)),
+          output_(std::move(output)),
+          previous_(std::move(previous)) {
+        std::vector<std::string> names;
+        names.reserve(contents.images.size());
+        for (const Image& image : contents.images) names.push_back(image.name);
+        names_ = dataset_names(names);
+        if (options_.picture.mask_folder.empty())
+            options_.picture.mask_folder = contents.mask_folder;
+        if (!arguments.images.empty())
+            photos_ = arguments.images;
+        else
+            photos_ = contents.photo_folder;
+    }
+
+    std::optional<Failure> run() {
+        for (std::size_t n = 0; n < contents_.models.size(); ++n) {
+            if (arguments_.part && *arguments_.part != n) continue;
+            if (auto failure = stage_part(n)) return failure;
+        }
+        if (auto failure = stage_geo()) return failure;
+        return commit();
+    }
+
+    void print() const {
+        std::size_t shown = 0;
+        constexpr std::size_t kShown = 10;  // Format: photographs in a message
+        for (const std::string& reason : left_out_) {
+            if (++shown <= kShown) std::cerr << "left out " << reason << '\n';
+        }
+        if (left_out_.size() > kShown) {
+            std::cerr << "left out " << left_out_.size() - kShown << " more photographs\n";
+        }
+        if (!trouble_.empty()) std::cerr << "psfm: " << trouble_ << '\n';
+        for (const std::string& line : summary_) std::cout << line << '\n';
+        std::cout << std::flush;
+    }
+
+  private:
+    std::filesystem::path place_of(std::size_t part) const {
+        return arguments_.part ? output_ : output_ / std::to_string(part);
+    }
+
+    Result<void> claim(const std::filesystem::path& path) {
+        std::error_code ignored;
+        if (std::filesystem::exists(path, ignored) && !previous_.wrote(path)) {
+            return Error{
+                ErrorCode::kInvalidArgument,
+                path.string() +
+                    " was not written by psfm: choose another output folder, or remove it"};
+        }
+        ours_.insert(path);
+        return {};
+    }
+
+    std::optional<Failure> stage_part(std::size_t n) {
+        const ExportedModel& model = contents_.models[n];
+        const std::filesystem::path place = place_of(n);
+        auto plan = plan_pictures(model, contents_.images, names_, photos_, place, options_);
+        if (!plan.ok()) return of_output(plan.error());
+        for (const auto& image : plan->images) {
+            if (!image) continue;
+            for (const auto& path : picture_places(image->name, options_.picture)) {
+                if (auto ours = claim(place / path); !ours.ok()) return of_output(ours.error());
+            }
+        }
+        std::vector<std::filesystem::path> others = dataset_model_files(place);
+        others.push_back(place / kDatasetRecordName);
+        for (const auto& path : others) {
+            if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
+        }
+        for (const std::string& folder : picture_folders(options_.picture))
+            remove_leftovers(place / folder);
+        const std::size_t wanted = plan->tasks.size();
+        auto left_out = make_pictures(*plan, photos_, place, options_.picture, files_);
+        if (!left_out.ok()) return of_output(left_out.error());
+        const auto pictures = static_cast<std::size_t>(std::ranges::count_if(
+            plan->images, [](const auto& image) { return image.has_value(); }));
+        if (pictures == 0) return of_output(no_photographs(place, *left_out));
+        parts_.push_back({n, &model, float_origin(model)});
+        const ExportedModel undistorted =
+            dataset_model(model, plan->record.views, plan->images, parts_.back().origin);
+        if (auto staged = stage_dataset(undistorted, place, options_.picture.masks, files_);
+            !staged.ok())
+            return of_output(staged.error());
+        records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
+        // Names of those that were left out are given up again.
+        std::set<std::filesystem::path> there;
+        for (const auto& image : plan->images) {
+            if (!image) continue;
+            for (const auto& path : picture_places(image->name, options_.picture))
+                there.insert(place / path);
+        }
+        std::erase_if(ours_, [&](const std::filesystem::path& path) {
+            const bool picture = path.parent_path().parent_path() == place &&
+                                 is_picture_folder(path.parent_path().filename().string());
+            return picture && !there.contains(path);
+        });
+        left_out_.insert(left_out_.end(), left_out->begin(), left_out->end());
+        summary_.push_back(place.string() + ": " + counted(pictures, "image") + " of " +
+                           counted(undistorted.cameras.size(), "camera") + ", " +
+                           std::to_string(undistorted.points.size()) + " points; " +
+                           counted(wanted - left_out->size(), "picture") + " written");
+        return std::nullopt;
+    }
+
+    Error no_photographs(const std::filesystem::path& place,
+                         const std::vector<std::string>& reasons) const {
+        std::error_code ignored;
+        if (!std::filesystem::is_directory(photos_, ignored)) {
+            return {ErrorCode::kNotFound,
+                    photos_.string() +
+                        " is no folder of photographs: name the one that has them with --images"};
+        }
+        return {ErrorCode::kNotFound, "no photograph of " + place.string() + " can be used: " +
+                                          (reasons.empty() ? "none is known" : reasons.front())};
+    }
+
+    std::optional<Failure> stage_geo() {
+        const std::span images = contents_.images;
+        const auto known =
+            images.first(std::min<std::size_t>(contents_.scene.image_count, images.size()));
+        const auto reference = world_reference_of(contents_.models, known);
+        for (const auto& [name, text] : geo_files(reference, parts_, known)) {
+            const std::filesystem::path path = output_ / name;
+            if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
+            auto staged =
+                files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
+            if (!staged.ok()) return of_output(staged.error());
+        }
+        if (reference)
+            summary_.push_back((output_ / "geo.txt").string() + ": " + describe(*reference));
+        trouble_ = position_trouble(reference, contents_.models, known);
+        return std::nullopt;
+    }
+
+    std::optional<Failure> commit() {
+        std::set<std::filesystem::path> outdated;
+        for (const std::string& relative : previous_.paths()) {
+            const std::filesystem::path path = output_ / relative;
+            const bool replaced =
+                belongs_to_parts(relative, arguments_.part.has_value()) ||
+                std::ranges::find(geo_file_names(), relative) != geo_file_names().end();
+            if (replaced && !ours_.contains(path)) outdated.insert(path);
+        }
+        for (const auto& path : outdated) {
+            std::error_code ignored;
+            if (std::filesystem::exists(path, ignored)) files_.remove_outdated(path);
+            previous_.remove(path);
+        }
+        for (const auto& path : ours_) previous_.add(path);
+        // The list comes first: should the machine stop between two files, none is a stranger.
+        StagedFiles list;
+        if (auto staged = previous_.stage(list); !staged.ok()) return of_output(staged.error());
+        if (auto done = list.commit(); !done.ok()) return of_output(done.error());
+        // Records come last: a picture counts as made once all are in their places.
+        for (const auto& [path, text] : records_) {
+            auto staged =
+                files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
+            if (!staged.ok()) return of_output(staged.error());
+        }
+        if (auto done = files_.commit(); !done.ok()) return of_output(done.error());
+        return std::nullopt;
+    }
+
+    const DatasetContents& contents_;
+    const DatasetArguments& arguments_;
+    DatasetPictureOptions options_;
+    std::filesystem::path output_;
+    PreviousExport previous_;
+    std::filesystem::path photos_;
+    std::vector<std::string> names_;
+    StagedFiles files_;
+    std::set<std::filesystem::path> ours_;
+    std::vector<std::pair<std::filesystem::path, std::string>> records_;
+    std::vector<GeoPart> parts_;
+    std::vector<std::string> left_out_;
+    std::string trouble_;
+    std::vector<std::string> summary_;
+};
+
+std::optional<Failure> check_parts(const DatasetContents& contents, const std::string& session,
+                                   const DatasetArguments& arguments) {
+    if (contents.models.empty()) {
+        return of_session({ErrorCode::kNotFound, session + ": the session has no model yet: " +
+                                                     std::to_string(contents.scene.image_count) +
+                                                     " images waiting; `psfm status` says why"});
+    }
+    if (arguments.part && *arguments.part >= contents.models.size()) {
+        return of_output({ErrorCode::kNotFound,
+                          session + " has " + counted(contents.models.size(), "connected part") +
+                              ", numbered from 0: there is no part " +
+                              std::to_string(*arguments.part)});
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+int export_dataset(const std::string& session, const std::string& output,
+                   std::optional<std::uint32_t> after_image, const DatasetArguments& arguments) {
+    const auto reader = open_session_reader(session, StoreOptions{});
+    if (!reader.ok()) return report_error(reader.error());
+    const auto contents = read_session(**reader, after_image);
+    if (!contents.ok()) return report_error(contents.error());
+    if (const auto failure = check_parts(*contents, session, arguments))
+        return report_error(failure->error, failure->origin);
+    std::error_code ignored;
+    if (std::filesystem::exists(output, ignored) && !std::filesystem::is_directory(output)) {
+        return report_error(
+            {ErrorCode::kInvalidArgument, output + " is a file: choose another output folder"},
+            ErrorOrigin::kOtherInput);
+    }
+    auto previous = PreviousExport::read(output);
+    if (!previous.ok()) return report_error(previous.error(), ErrorOrigin::kOtherInput);
+    const ThreadBudget budget(arguments.threads);
+    DatasetExport dataset(*contents, arguments, output, *std::move(previous));
+    const auto failure = dataset.run();
+    if (failure) return report_error(failure->error, failure->origin);
+    dataset.print();
+    return 0;
+}
+
+}  // namespace psfm

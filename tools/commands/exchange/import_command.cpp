@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "storage/exchange/database/colmap_database.h"
+#include "tools/commands/commands.h"
+#include "tools/commands/console/exit_codes.h"
+#include "tools/commands/console/report_error.h"
+#include "tools/commands/console/wording.h"
+#include "tools/commands/exchange/import_model.h"
+#include "tools/commands/session_options.h"
+
+namespace psfm {
+namespace {
+
+struct ImportArguments {
+    SessionArguments session;
+    std::string database;
+    std::string model;
+    std::string images;
+};
+
+/// Every image has its intrinsics from the database; those with a prior focal length are refined
+/// from there, the others are estimated.
+std::map<std::string, GivenCamera> cameras_of(const ColmapDatabase& database) {
+    std::map<std::string, GivenCamera> cameras;
+    for (const DatabaseImage& image : database.images()) {
+        cameras[image.name] = {"database/" + std::to_string(image.camera),
+                               database.cameras().at(image.camera)};
+    }
+    return cameras;
+}
+
+/// Without matches there is nothing to reconstruct from, however many images there are.
+Result<void> check_matches(const ColmapDatabase& database, const std::string& file) {
+    if (database.images().size() < 2 || database.verified_pairs() > 0) return {};
+    return Error{ErrorCode::kTooFewMatches,
+                 file + " has " + counted(database.images().size(), "image") +
+                     " and no verified matches: its matcher has not run. Run `colmap "
+                     "exhaustive_matcher --database_path " +
+                     shell_word(file) + "`, or `psfm run` on the photographs"};
+}
+
+/// Tells which of the database's photographs the folder lacks. @errors kNotFound: all of them
+Result<void> check_photographs(const ColmapDatabase& database, const std::string& folder) {
+    if (folder.empty()) return {};
+    std::size_t missing = 0;
+    std::string first;
+    for (const DatabaseImage& image : database.images()) {
+        if (std::filesystem::is_regular_file(std::filesystem::path(folder) / image.name)) continue;
+        if (missing++ == 0) first = image.name;
+    }
+    if (missing == 0) return {};
+    const std::string lacks = folder + " lacks " + first +
+                              (missing > 1 ? " and " + std::to_string(missing - 1) + " more" : "") +
+                              " of the database's " + counted(database.images().size(), "image");
+    if (missing == database.images().size()) {
+        return Error{ErrorCode::kNotFound,
+                     lacks + ": name the folder that COLMAP had as --image_path"};
+    }
+    std::cerr << "psfm: " << lacks << "; their features have no colours\n";
+    return {};
+}
+
+int import(const CLI::App& command, const ImportArguments& arguments) {
+    if (!arguments.model.empty()) {
+        return import_model(command, arguments.session,
+                            {arguments.model, arguments.images, arguments.database});
+    }
+    if (arguments.database.empty()) {
+        std::cerr << "psfm: import needs --colmap-database FILE, or --colmap-model DIR\n";
+        return kUsageError;
+    }
+    const auto database = ColmapDatabase::open(arguments.database);
+    if (!database.ok()) return report_error(database.error(), ErrorOrigin::kOtherInput);
+    for (const auto& checked : {check_matches(**database, arguments.database),
+                                check_photographs(**database, arguments.images)}) {
+        if (!checked.ok()) return report_error(checked.error(), ErrorOrigin::kOtherInput);
+    }
+    auto config = config_from(arguments.session, [&] {
+        std::vector<std::string> names;
+        for (const DatabaseImage& image : (*database)->images()) names.push_back(image.name);
+        return Result<std::vector<std::string>>(std::move(names));
+    });
+    if (!config.ok()) return report_error(config.error(), ErrorOrigin::kOtherInput);
+    config->colmap_database =
+        std::filesystem::absolute(arguments.database).lexically_normal().string();
+    if (!arguments.images.empty()) {
+        config->database_photos =
+            std::filesystem::absolute(arguments.images).lexically_normal().string();
+    }
+    config->given_cameras = cameras_of(**database);
+    return start_session(command, arguments.session, arguments.database, *std::move(config), false);
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& app, int& exit_code) {
+    CLI::App* command = app.add_subcommand(
+        "import", "Reconstruct from another program's features and verified matches");
+    auto arguments = std::make_shared<ImportArguments>();
+    command
+        ->add_option("--colmap-database", arguments->database,
+                     "COLMAP database; its images arrive by name, or as --order or --shuffle says")
+        ->type_name("FILE");
+    command
+        ->add_option("--colmap-model", arguments->model,
+                     "COLMAP model to begin with: its frame, poses, cameras and points; needs "
+                     "--images, and goes on with the photographs there that it has not")
+        ->type_name("DIR");
+    command
+        ->add_option("--images", arguments->images,
+                     "folder of the photographs: for colours, EXIF, and exports that need them")
+        ->type_name("DIR");
+    add_session_options(*command, arguments->session);
+    command->footer(
+        "Images, cameras, features and the verified matches (two_view_geometries) are read; the\n"
+        "geometry of each pair is estimated anew. No photograph is needed, but points have their\n"
+        "colours with --images only. The session remembers\n"
+        "the database: `psfm resume` goes on, and the same command adds images that are new in "
+        "it.\n"
+        "\n"
+        "Examples:\n"
+        "  psfm import --session castle --colmap-database castle.db\n"
+        "  psfm import --session castle --colmap-database castle.db --shuffle 1 --deterministic\n"
+        "  psfm import --session castle --colmap-model sparse/0 --images photos");
+    command->callback(
+        [command, arguments, &exit_code] { exit_code = import(*command, *arguments); });
+}
+
+}  // namespace psfm
