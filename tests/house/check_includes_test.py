@@ -141,6 +141,9 @@ class CheckIncludes(unittest.TestCase):
         self.write("graph/ids_kernel_avx2.cpp", "")
         self.write("graph/ids_kernel_loop.h", "#pragma once\n")
         self.assertEqual(self.run_check()[0], 0)
+        for number in range(26):
+            self.write(f"tests/graph/unit{number}_test.cpp", "")
+        self.assertIn("tests/graph:1: 26 units", self.run_check()[1])
 
     def test_only_paths_from_the_root(self):
         self.assert_found("graph/a.cpp", '#include "ids.h"\n', "include from the root")

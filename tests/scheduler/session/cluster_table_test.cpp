@@ -360,7 +360,8 @@ TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
 TEST(ClusterTable, CleanClustersRestWhenTheyAreRestored) {
     for (const bool is_dirty : {false, true}) {
         ClusterTable table(kMuMin);
-        ClusterEntry entry{.id = cluster(0)};
+        ClusterEntry entry;
+        entry.id = cluster(0);
         entry.membership = {.members = images({0, 1, 2}), .guests = {}, .topology = 4};
         entry.published.topology = is_dirty ? 3 : 4;
         entry.published.revision = 1;
