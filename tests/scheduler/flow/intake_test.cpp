@@ -33,7 +33,8 @@ class IntakeTest : public ::testing::Test {
 
     /// Whether the photograph became an image.
     bool take(const ExtractedMessage& message) {
-        Intake intake(*store_, config_, options_, state_, outbox_);
+        ImageReports reports(config_, state_, outbox_);
+        Intake intake(*store_, config_, options_, state_, reports, outbox_);
         const auto taken = intake.take(message);
         EXPECT_TRUE(taken.ok());
         return taken.ok() && *taken != nullptr;

@@ -9,6 +9,7 @@
 #include <exiv2/exiv2.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "scheduler/session/session_config.h"
 #include "tests/stages/features/photo_fixture.h"
 #include "tests/storage/exchange/example_model.h"
 
@@ -91,7 +92,7 @@ DatasetSession::DatasetSession(const std::filesystem::path& folder) : folder_(fo
     auto opened = SessionStore::open(session(), {});
     EXPECT_TRUE(opened.ok());
     store_ = *std::move(opened);
-    EXPECT_TRUE(store_->put_settings({photo_folder().string(), "{}"}).ok());
+    EXPECT_TRUE(store_->put_settings({photo_folder().string(), encode_config({})}).ok());
     for (std::uint32_t i = 0; i < photos_.size(); ++i) write_photo(i);
     publish(1, cameras_);
 }
