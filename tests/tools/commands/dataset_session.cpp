@@ -157,6 +157,10 @@ StoredPlacement DatasetSession::solve(std::uint32_t cluster, std::uint32_t revis
     return placement;
 }
 
+void DatasetSession::damage_settings() {
+    EXPECT_TRUE(store_->put_settings({photo_folder().string(), "{damaged"}).ok());
+}
+
 void DatasetSession::publish(std::uint64_t version, const std::map<CameraId, Camera>& cameras) {
     StoredSceneVersion scene;
     scene.version = version;

@@ -38,6 +38,7 @@ class DatasetSession {
 
     /// Publishes the scene again, the first part's cameras having become these.
     void publish(std::uint64_t version, const std::map<CameraId, Camera>& cameras);
+    void damage_settings();
 
   private:
     void write_photo(std::uint32_t index);

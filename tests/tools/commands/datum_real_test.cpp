@@ -72,10 +72,12 @@ TEST(DatumReal, OneWrongFixDoesNotCarryTheFrameAway) {
                                   "--threads", "2"}),
               0);
     const fs::path output = folder.path() / "ply";
+    testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
     const int code = test::psfm_command({"export", "--session", session, "--format", "ply",
                                          "--points-only", "--output", output.string()});
     const std::string said = testing::internal::GetCapturedStderr();
+    const std::string summary = testing::internal::GetCapturedStdout();
     ASSERT_EQ(code, 0) << said;
     EXPECT_NE(said.find("1 position is more than a kilometre"), std::string::npos) << said;
     EXPECT_NE(said.find("05.jpg"), std::string::npos) << said;
@@ -88,6 +90,8 @@ TEST(DatumReal, OneWrongFixDoesNotCarryTheFrameAway) {
     const Ply ply = read_ply(output / "0.ply");
     EXPECT_GT(ply.vertices, 1000U);
     EXPECT_EQ(ply.distinct, ply.vertices);
+    EXPECT_NE(summary.find(" " + std::to_string(ply.vertices) + " points"), std::string::npos)
+        << summary;
     EXPECT_LT(ply.largest, 2000.F);
 }
 

@@ -134,6 +134,14 @@ TEST_F(ExportDataset, NamesAreUniqueWhereverTheyAreRead) {
     EXPECT_EQ(names, expected);
 }
 
+TEST_F(ExportDataset, DamagedSettingsCostMasksOnly) {
+    session_.damage_settings();
+    const auto outcome = export_to("data");
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.errors.find("settings are damaged"), std::string::npos) << outcome.errors;
+    EXPECT_NE(outcome.errors.find("--mask-folder"), std::string::npos) << outcome.errors;
+}
+
 TEST_F(ExportDataset, EveryReaderOpensIt) {
     ASSERT_EQ(export_to("data", {"--reduced", "2", "4", "8"}).exit_code, 0);
     for (const char* part : {"data/0", "data/1"}) {

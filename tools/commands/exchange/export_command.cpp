@@ -13,6 +13,7 @@
 
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_model.h"
+#include "storage/exchange/models/distinct_points.h"
 #include "storage/exchange/models/export_models.h"
 #include "storage/exchange/models/write_models.h"
 #include "storage/session/session_store.h"
@@ -50,11 +51,17 @@ Error no_model(const ExportArguments& arguments, std::size_t waiting) {
                                       " images waiting; `psfm status` says why"};
 }
 
-void print_summary(const std::vector<ExportedModel>& models,
+/// Points that a file of the format has: one of those that lie upon each other as floats.
+std::size_t written_points(const ExportedModel& model, ExportFormat format) {
+    if (format != ExportFormat::kPly) return model.points.size();
+    return distinct_points(model.points, float_origin(model)).size();
+}
+
+void print_summary(const std::vector<ExportedModel>& models, ExportFormat format,
                    const std::vector<std::filesystem::path>& written) {
     for (std::size_t i = 0; i < models.size(); ++i) {
         std::cout << written[i].string() << ": " << models[i].images.size() << " images, "
-                  << models[i].points.size() << " points\n";
+                  << written_points(models[i], format) << " points\n";
     }
     std::cout << std::flush;
 }
@@ -129,7 +136,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     }
     const auto written = write_models(*models, *format, arguments.output, options);
     if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);
-    print_summary(*models, *written);
+    print_summary(*models, *format, *written);
     if (reference)
         std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;
     if (const std::string trouble = position_trouble(reference, *models, known); !trouble.empty())

@@ -46,8 +46,12 @@ Result<DatasetContents> read_session(const SessionReader& session,
     if (!settings.ok()) return settings.error();
     contents.photo_folder = settings->photo_folder;
     const auto config = decode_config(settings->settings_json);
-    if (!config.ok()) return config.error();
-    contents.mask_folder = config->masks;
+    if (config.ok()) {
+        contents.mask_folder = config->masks;
+    } else {
+        std::cerr << "psfm: " << config.error().message
+                  << "; masks given to `psfm run` are not known: give --mask-folder\n";
+    }
     auto models = export_models(
         contents.scene, contents.images, [&](ImageId image) { return session.keypoints(image); },
         FeatureUse::kObserved);
