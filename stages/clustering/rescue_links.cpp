@@ -12,7 +12,7 @@
 namespace psfm {
 namespace {
 
-/// GrowingGroups that grow together, with whether they are large enough already.
+/// Groups that grow together, with whether they are large enough already.
 class GrowingGroups {
   public:
     explicit GrowingGroups(std::uint32_t enough) : enough_(enough) {}
