@@ -31,8 +31,10 @@ std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable
             placing_[index_of(image.image)] = id;
         }
     }
-    for (auto& [pair, edges] : collect(changed, view_graph))
-        between_[pair] = cluster_pair_edges(pair.first, pair.second, std::move(edges));
+    for (auto& [pair, found] : collect(changed, view_graph)) {
+        between_[pair] = cluster_pair_edges(pair.first, pair.second, std::move(found.edges),
+                                            std::move(found.weak));
+    }
     std::vector<ClusterPairEdgesPtr> pairs;
     pairs.reserve(between_.size());
     for (const auto& [pair, edges] : between_) pairs.push_back(edges);
@@ -50,23 +52,27 @@ void EdgesBetweenClusters::forget(const std::vector<ClusterId>& clusters) {
     });
 }
 
-std::map<EdgesBetweenClusters::ClusterPair, std::vector<VerifiedPairPtr>>
+std::map<EdgesBetweenClusters::ClusterPair, EdgesBetweenClusters::Found>
 EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed,
                               const ViewGraph& view_graph) const {
-    std::map<ClusterPair, std::vector<VerifiedPairPtr>> found;
+    std::map<ClusterPair, Found> between;
     for (const ClusterId cluster : changed) {
         for (const ImageId image : placed_.at(cluster).images) {
             for (const ViewGraph::Edge& edge : view_graph.edges(image)) {
-                if (edge.weight == 0.0) continue;  // too weak to join what stands by itself
                 const std::optional<ClusterId>& other = placing_[index_of(edge.neighbor)];
                 if (!other || *other == cluster) continue;
                 // Where both have changed, it is found from the first one.
                 if (*other < cluster && std::ranges::binary_search(changed, *other)) continue;
-                found[std::minmax(cluster, *other)].push_back(edge.pair);
+                Found& found = between[std::minmax(cluster, *other)];
+                if (edge.weight > 0.0) {
+                    found.edges.push_back(edge.pair);
+                } else {
+                    found.weak.push_back(ImagePair::of(image, edge.neighbor));
+                }
             }
         }
     }
-    return found;
+    return between;
 }
 
 }  // namespace psfm

@@ -33,9 +33,13 @@ class EdgesBetweenClusters {
 
     /// Forgets what these placed, and their edges.
     void forget(const std::vector<ClusterId>& clusters);
+    struct Found {
+        std::vector<VerifiedPairPtr> edges;
+        std::vector<ImagePair> weak;
+    };
     /// Each edge of a changed cluster once. @param changed  ascending
-    std::map<ClusterPair, std::vector<VerifiedPairPtr>> collect(
-        const std::vector<ClusterId>& changed, const ViewGraph& view_graph) const;
+    std::map<ClusterPair, Found> collect(const std::vector<ClusterId>& changed,
+                                         const ViewGraph& view_graph) const;
 
     std::map<ClusterId, Placed> placed_;
     std::vector<std::optional<ClusterId>> placing_;  ///< by image

@@ -91,6 +91,11 @@ std::vector<PairTask> list_pairs(const MergeProblem& problem) {
                          task.before->edges_hash == pair->hash;
         }
         if (task.known) task.constraint = *task.before;
+        if (pair->edges.empty()) {  // weak ones alone: they tie nothing, whatever the models are
+            task.known = true;
+            task.constraint.a = pair->a;
+            task.constraint.b = pair->b;
+        }
         tasks.push_back(std::move(task));
     }
     return tasks;

@@ -14,18 +14,21 @@
 
 namespace psfm {
 
-/// The view graph's edges between two clusters.
+/// The view graph's edges between two clusters: pairs of an image in each.
 struct ClusterPairEdges {
     ClusterId a{};  ///< a < b
     ClusterId b{};
-    std::vector<VerifiedPairPtr> edges;  ///< ascending by images, one in each cluster; none null
+    std::vector<VerifiedPairPtr> edges;  ///< those with a weight, ascending by images; none null
     std::uint64_t hash = 0;              ///< of which pairs they are
+    std::vector<ImagePair> matched;      ///< of all, weak ones too; ascending
+    std::uint64_t matched_hash = 0;      ///< of which pairs they are
 };
 /// Shared from version to version, as long as they stay what they are.
 using ClusterPairEdgesPtr = std::shared_ptr<const ClusterPairEdges>;
 /// Sorts the edges, and hashes them. REQUIRES: none is null
-ClusterPairEdgesPtr cluster_pair_edges(ClusterId a, ClusterId b,
-                                       std::vector<VerifiedPairPtr> edges);
+/// @param weak  edges without a weight (ViewGraph::Edge), in any order
+ClusterPairEdgesPtr cluster_pair_edges(ClusterId a, ClusterId b, std::vector<VerifiedPairPtr> edges,
+                                       std::vector<ImagePair> weak = {});
 
 /// What became of a pair of clusters (not persistent).
 enum class ConstraintVerdict : std::uint8_t {
@@ -55,7 +58,7 @@ struct ClusterConstraint {
     ClusterId b{};
     std::uint32_t revision_a = 0;
     std::uint32_t revision_b = 0;
-    std::uint32_t edges_given = 0;  ///< edges of the view graph between them
+    std::uint32_t edges_given = 0;  ///< edges of the view graph between them that have a weight
     std::uint64_t edges_hash = 0;   ///< of which pairs they are
     std::uint32_t edges_tried = 0;  ///< those with enough correspondences
     std::uint32_t edges_accepted =

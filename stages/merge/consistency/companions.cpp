@@ -55,13 +55,11 @@ double angle_between_axes(const Eigen::Vector3d& x, const Eigen::Vector3d& y) {
 
 /// @param margin  of the distance, and of the turn
 std::vector<Neighbor> find_neighbors(const LookedAtModel& one, const LookedAtModel& other,
-                                     const Sim3& other_from_one,
-                                     std::span<const VerifiedPairPtr> edges,
+                                     const Sim3& other_from_one, std::span<const ImagePair> matched,
                                      const ClusterConstraintOptions& options, double margin,
                                      double turn_margin) {
     const auto has_edge = [&](ImageId x, ImageId y) {
-        return std::ranges::binary_search(edges, ImagePair::of(x, y), {},
-                                          [](const VerifiedPairPtr& edge) { return edge->pair; });
+        return std::ranges::binary_search(matched, ImagePair::of(x, y));
     };
     const double turn = largest_turn(options);
     std::vector<Neighbor> neighbors;
@@ -127,7 +125,7 @@ std::optional<bool> verdict_within(std::span<const Neighbor> neighbors, double s
 }  // namespace
 
 CompanionVerdict judge_companions(const LookedAtModel& a, const LookedAtModel& b,
-                                  const Sim3& b_from_a, std::span<const VerifiedPairPtr> edges,
+                                  const Sim3& b_from_a, std::span<const ImagePair> matched,
                                   const ClusterConstraintOptions& options) {
     // What is measured is measured in b, whichever of them is the smaller one.
     const bool forward = a.cameras->depths.size() <= b.cameras->depths.size();
@@ -141,7 +139,7 @@ CompanionVerdict judge_companions(const LookedAtModel& a, const LookedAtModel& b
     const double turn = largest_turn(options);
     const double widest = kTolerances[0];
     const std::vector<Neighbor> neighbors =
-        find_neighbors(one, other, other_from_one, edges, options, widest * near, widest * turn);
+        find_neighbors(one, other, other_from_one, matched, options, widest * near, widest * turn);
     CompanionVerdict verdict;
     for (const double tolerance : kTolerances) {
         const auto within =

@@ -6,7 +6,6 @@
 
 #include "graph/reconstruction.h"
 #include "graph/sim3.h"
-#include "graph/two_view_geometry.h"
 #include "stages/algorithms/alignment/cluster_constraint.h"
 #include "stages/merge/values/merge_options.h"
 #include "stages/merge/values/model_cameras.h"
@@ -31,11 +30,12 @@ struct CompanionVerdict {
 /// Cameras of either model that stand beside some of the other, looking the same way, and share
 /// nothing with any of them: they contradict each other where these are many
 /// (ClusterConstraintOptions::min_unmatched_cameras, max_unmatched_part).
-/// @param edges  of the view graph between the models, ascending by images
+/// @param matched  edges of the view graph between the models, ascending. Weak ones count: where
+///                 photographs have many better ones, as in streams of video, most are weak
 /// Thread-safe. Cost: one search in the larger model for every camera of the smaller one that is
 /// near.
 CompanionVerdict judge_companions(const LookedAtModel& a, const LookedAtModel& b,
-                                  const Sim3& b_from_a, std::span<const VerifiedPairPtr> edges,
+                                  const Sim3& b_from_a, std::span<const ImagePair> matched,
                                   const ClusterConstraintOptions& options);
 
 /// Whether a verdict of `b_from_a_then` still holds. Never, unless the models are the same.

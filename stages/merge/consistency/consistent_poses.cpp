@@ -95,10 +95,11 @@ std::vector<std::uint64_t> basis_of(const ClusterNetwork& network, const Part& p
         basis.push_back(network.clusters[c]->revision);
     }
     for (const std::uint32_t l : part.links) {
-        const ClusterConstraint& constraint = *network.links[l].constraint;
-        basis.push_back(std::uint64_t{index_of(constraint.a)} << 32U | index_of(constraint.b));
-        basis.push_back(constraint.edges_given);
-        basis.push_back(constraint.edges_hash);
+        const ClusterPairEdges& edges = *network.links[l].edges;
+        basis.push_back(std::uint64_t{index_of(edges.a)} << 32U | index_of(edges.b));
+        basis.push_back(edges.matched.size());
+        basis.push_back(edges.hash);
+        basis.push_back(edges.matched_hash);
     }
     return basis;
 }

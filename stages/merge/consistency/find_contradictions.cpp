@@ -63,7 +63,7 @@ const PairJudgement* find_known(std::span<const PairJudgement> known, const Pair
     for (const PairJudgement& before :
          std::ranges::equal_range(known, clusters_of(wanted), {}, clusters_of)) {
         if (before.cameras_a == wanted.cameras_a && before.cameras_b == wanted.cameras_b &&
-            before.edges_given == wanted.edges_given && before.edges_hash == wanted.edges_hash &&
+            before.pairs_given == wanted.pairs_given && before.pairs_hash == wanted.pairs_hash &&
             still_holds(before.verdict, *wanted.cameras_a, before.b_from_a, wanted.b_from_a,
                         options))
             return &before;
@@ -74,16 +74,16 @@ const PairJudgement* find_known(std::span<const PairJudgement> known, const Pair
 PairJudgement judge(const PlacedModel& a, const PlacedModel& b, const ClusterPairEdges* edges,
                     std::span<const PairJudgement> known, const ClusterConstraintOptions& options) {
     PairJudgement judgement{a.id, b.id, a.cameras, b.cameras, 0, 0, {}, {}};
-    std::span<const VerifiedPairPtr> pairs;
+    std::span<const ImagePair> matched;
     if (edges != nullptr) {
-        pairs = edges->edges;
-        judgement.edges_given = pairs.size();
-        judgement.edges_hash = edges->hash;
+        matched = edges->matched;
+        judgement.pairs_given = matched.size();
+        judgement.pairs_hash = edges->matched_hash;
     }
     judgement.b_from_a = inverse(b.component_from_cluster) * a.component_from_cluster;
     if (const PairJudgement* before = find_known(known, judgement, options)) return *before;
     judgement.verdict = judge_companions({a.model, a.cameras.get()}, {b.model, b.cameras.get()},
-                                         judgement.b_from_a, pairs, options);
+                                         judgement.b_from_a, matched, options);
     return judgement;
 }
 

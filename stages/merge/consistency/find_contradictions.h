@@ -39,8 +39,8 @@ struct PairJudgement {
     ClusterId b{};
     ModelCamerasPtr cameras_a;
     ModelCamerasPtr cameras_b;
-    std::size_t edges_given = 0;
-    std::uint64_t edges_hash = 0;
+    std::size_t pairs_given = 0;
+    std::uint64_t pairs_hash = 0;
     Sim3 b_from_a;
     CompanionVerdict verdict;
 };

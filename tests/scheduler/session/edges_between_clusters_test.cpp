@@ -27,10 +27,10 @@ class Session {
         table_.apply(edit);
     }
 
-    void connect(std::uint32_t a, std::uint32_t b) {
+    void connect(std::uint32_t a, std::uint32_t b, double weight = 50.0) {
         auto pair = std::make_shared<VerifiedPair>();
         pair->pair = ImagePair::of(image(a), image(b));
-        view_graph_.add_edge(image(a), image(b), 50.0, std::move(pair));
+        view_graph_.add_edge(image(a), image(b), weight, std::move(pair));
         table_.edges_changed(std::vector{image(a), image(b)});
     }
 
@@ -122,6 +122,22 @@ TEST(EdgesBetweenClusters, AreThoseBetweenPlacedImagesOfDifferentClusters) {
               (std::vector{ImagePair::of(image(0), image(4)), ImagePair::of(image(1), image(7))}));
 }
 
+TEST(EdgesBetweenClusters, WeakOnesMatchImagesAndTieNothing) {
+    Session session = two_clusters();
+    session.connect(2, 6, 0.0);
+    for (std::uint32_t i = 8; i < 12; ++i) session.add_image(cluster(2));
+    session.connect(5, 9, 0.0);
+    session.solve();
+    const auto pairs = session.update();
+    ASSERT_EQ(pairs.size(), 2U);
+    EXPECT_EQ(pairs[0]->edges.size(), 2U);
+    EXPECT_EQ(pairs[0]->matched,
+              (std::vector{ImagePair::of(image(0), image(4)), ImagePair::of(image(1), image(7)),
+                           ImagePair::of(image(2), image(6))}));
+    EXPECT_TRUE(pairs[1]->edges.empty());
+    EXPECT_EQ(pairs[1]->matched, (std::vector{ImagePair::of(image(5), image(9))}));
+}
+
 TEST(EdgesBetweenClusters, ClustersThatHaveNotChangedAreNotLookedAtAgain) {
     Session session = two_clusters();
     for (std::uint32_t i = 8; i < 12; ++i) session.add_image(cluster(2));
@@ -170,7 +186,8 @@ TEST(EdgesBetweenClusters, AreWhatLookingAtAllClustersFinds) {
                 break;
             case 1:
             case 2:
-                if (a != b && !session.connected(a, b)) session.connect(a, b);
+                if (a != b && !session.connected(a, b))
+                    session.connect(a, b, below(3) == 0 ? 0.0 : 50.0);
                 break;
             case 3:
                 if (a != b && session.connected(a, b)) session.disconnect(a, b);
@@ -196,6 +213,8 @@ TEST(EdgesBetweenClusters, AreWhatLookingAtAllClustersFinds) {
             ASSERT_EQ(known[k]->b, anew[k]->b) << step;
             ASSERT_EQ(pairs_of(*known[k]), pairs_of(*anew[k])) << step;
             ASSERT_EQ(known[k]->hash, anew[k]->hash) << step;
+            ASSERT_EQ(known[k]->matched, anew[k]->matched) << step;
+            ASSERT_EQ(known[k]->matched_hash, anew[k]->matched_hash) << step;
             ++seen;
         }
     }

@@ -54,21 +54,25 @@ struct Model {
 
 ClusterPairEdgesPtr some_edges(const Model& a, const Model& b, double part, synthetic::Rng& rng) {
     std::vector<VerifiedPairPtr> edges;
+    std::vector<ImagePair> weak;
     for (const RegisteredImage& x : a.reconstruction.images) {
         for (const RegisteredImage& y : b.reconstruction.images) {
             if (x.image == y.image || rng.uniform(0.0, 1.0) > part) continue;
             VerifiedPair pair;
             pair.pair = ImagePair::of(x.image, y.image);
-            edges.push_back(std::make_shared<const VerifiedPair>(pair));
+            if (rng.uniform() < 0.5) {
+                weak.push_back(pair.pair);
+            } else {
+                edges.push_back(std::make_shared<const VerifiedPair>(pair));
+            }
         }
     }
-    return cluster_pair_edges(ClusterId{0}, ClusterId{1}, std::move(edges));
+    return cluster_pair_edges(ClusterId{0}, ClusterId{1}, std::move(edges), std::move(weak));
 }
 
 /// Every camera of one model against every one of the other.
 bool contradict(const Model& a, const Model& b, const Sim3& b_from_a,
-                const std::vector<VerifiedPairPtr>& edges,
-                const ClusterConstraintOptions& options) {
+                const std::vector<ImagePair>& matched, const ClusterConstraintOptions& options) {
     std::vector<int> standing_a(a.cameras->depths.size(), 0);  // 1: companions, 2: matched ones
     std::vector<int> standing_b(b.cameras->depths.size(), 0);
     for (std::size_t k = 0; k < standing_a.size(); ++k) {
@@ -89,10 +93,9 @@ bool contradict(const Model& a, const Model& b, const Sim3& b_from_a,
                 ahead_x.dot(ahead_y) < cosine)
                 continue;
             const ImagePair pair = ImagePair::of(x.image, y.image);
-            const bool matched = std::ranges::any_of(
-                edges, [&](const VerifiedPairPtr& edge) { return edge->pair == pair; });
+            const int found = std::ranges::find(matched, pair) != matched.end() ? 2 : 1;
             for (int* standing : {&standing_a[k], &standing_b[o]})
-                *standing = std::max(*standing, matched ? 2 : 1);
+                *standing = std::max(*standing, found);
         }
     }
     const auto with = [&](int value) {
@@ -133,9 +136,9 @@ TEST(Companions, AreThoseThatEveryPairOfCamerasTells) {
         const Model b(8 + static_cast<std::uint32_t>(trial % 30), 14, rng);
         const Sim3 b_from_a = any_gauge(rng, 0.3, 2.0);
         const auto edges = some_edges(a, b, rng.uniform(0.0, 0.1), rng);
-        const bool truth = contradict(a, b, b_from_a, edges->edges, {});
+        const bool truth = contradict(a, b, b_from_a, edges->matched, {});
         EXPECT_EQ(
-            judge_companions(a.looked_at(), b.looked_at(), b_from_a, edges->edges, {}).contradict,
+            judge_companions(a.looked_at(), b.looked_at(), b_from_a, edges->matched, {}).contradict,
             truth)
             << trial;
         contradictions += truth ? 1 : 0;
@@ -158,10 +161,10 @@ TEST(Companions, AVerdictHoldsAsFarAsItSays) {
         const Sim3 b_from_a = any_gauge(rng, spread > 1.0 ? 0.1 : 0.5, std::min(spread, 1.5));
         const auto edges = some_edges(a, b, rng.uniform(0.0, 0.1), rng);
         const auto verdict =
-            judge_companions(a.looked_at(), b.looked_at(), b_from_a, edges->edges, {});
+            judge_companions(a.looked_at(), b.looked_at(), b_from_a, edges->matched, {});
         for (const double by : {0.01, 0.03, 0.1, 0.3, 1.0}) {
             const Sim3 moved = nudged(b_from_a, b_from_a * a.cameras->middle, by, rng);
-            const bool truth = contradict(a, b, moved, edges->edges, {});
+            const bool truth = contradict(a, b, moved, edges->matched, {});
             changed += truth != verdict.contradict ? 1 : 0;
             if (!still_holds(verdict, *a.cameras, b_from_a, moved, {})) continue;
             EXPECT_EQ(verdict.contradict, truth) << trial << " moved by " << by;
@@ -224,11 +227,11 @@ struct Street {
             for (std::uint32_t o = m + 1; o < models.size(); ++o) {
                 const auto link = std::ranges::find_if(
                     links, [&](const LinkedModels& l) { return l.a == m && l.b == o; });
-                const std::vector<VerifiedPairPtr> none;
+                const std::vector<ImagePair> none;
                 const Sim3 o_from_m =
                     inverse(placed[o].component_from_cluster) * placed[m].component_from_cluster;
                 if (contradict(models[m], models[o], o_from_m,
-                               link == links.end() ? none : link->edges->edges, options))
+                               link == links.end() ? none : link->edges->matched, options))
                     found.emplace_back(m, o);
             }
         }

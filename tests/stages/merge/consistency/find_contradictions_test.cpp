@@ -33,6 +33,7 @@ std::vector<ImageId> street(std::uint32_t first) {
 struct Placed {
     std::vector<Reconstruction> models;
     std::vector<VerifiedPairPtr> edges;
+    std::vector<ImagePair> weak;
 
     explicit Placed(const SyntheticScene& scene) {
         for (const std::uint32_t first : {0U, 1U}) {
@@ -51,7 +52,7 @@ struct Placed {
                                               {ClusterId{1}, &models[1], cameras_of(models[1]),
                                                shift * inverse(synthetic::random_gauge(8))}};
         const std::vector<LinkedModels> links{
-            {0, 1, cluster_pair_edges(ClusterId{0}, ClusterId{1}, edges)}};
+            {0, 1, cluster_pair_edges(ClusterId{0}, ClusterId{1}, edges, weak)}};
         return find_contradictions(placed, links, {}, options).pairs.size();
     }
 };
@@ -77,7 +78,10 @@ TEST(FindContradictions, StreetsWithOneFacadeInCommonCannotStandInOnePlace) {
 TEST(FindContradictions, ClustersOfOneStreetMayInterleave) {
     Placed one(two_streets(kImages, 1.3, 1));
     EXPECT_EQ(one.contradictions({}), 0U);
+    for (const VerifiedPairPtr& edge : one.edges) one.weak.push_back(edge->pair);
     one.edges.clear();
+    EXPECT_EQ(one.contradictions({}), 0U) << "weak edges show that they belong there";
+    one.weak.clear();
     EXPECT_EQ(one.contradictions({}), 1U) << "nothing would tie them together";
 }
 
@@ -115,6 +119,18 @@ TEST(FindContradictions, ASmallClusterOfTheFacadeJoinsOneOfTheStreets) {
     EXPECT_EQ(apart->effective_clusters, 2U);
     EXPECT_NE(apart->placements[0].effective_cluster, apart->placements[1].effective_cluster);
     EXPECT_EQ(apart->dropped, 1U);
+    // Had photographs of both matches of their own, they would be one street.
+    std::vector<ImagePair> weak;
+    for (const ImageId x : members[0]) {
+        for (const ImageId y : members[1]) weak.push_back(ImagePair::of(x, y));
+    }
+    problem.pairs.insert(problem.pairs.begin(),
+                         cluster_pair_edges(ClusterId{0}, ClusterId{1}, {}, weak));
+    const auto matched = run_merge(problem, options);
+    ASSERT_TRUE(matched.ok());
+    EXPECT_EQ(matched->effective_clusters, 1U);
+    EXPECT_EQ(matched->constraints[0].verdict, ConstraintVerdict::kNoEdges) << "they tie nothing";
+    problem.pairs.erase(problem.pairs.begin());
     options.constraint.min_unmatched_cameras = 0;
     EXPECT_EQ(run_merge(problem, options)->effective_clusters, 1U);
 }
