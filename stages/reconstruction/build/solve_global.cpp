@@ -77,6 +77,19 @@ Error too_few(const WorkingModel& model, const SolveOptions& options) {
                 " images could be placed, mu_min is " + std::to_string(options.policy.mu_min)};
 }
 
+/// Cameras that are believed to be others than those that pairs were verified with: just
+/// calibrated, or by earlier models.
+std::map<CameraId, Camera> other_than_verified(std::map<CameraId, Camera> calibrated,
+                                               const ClusterProblem& problem,
+                                               const LocalGraph& graph) {
+    for (const auto& [id, believed] : graph.cameras) {
+        if (believed.focal_source == FocalSource::kEstimated &&
+            believed.params != problem.cameras.at(id).params)
+            calibrated.try_emplace(id, believed);
+    }
+    return calibrated;
+}
+
 /// Images with poses from rotations and directions.
 struct GlobalPlacement {
     GlobalStart start;
@@ -172,9 +185,11 @@ Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProble
     if (!calibrated.ok()) return calibrated.error();
     for (const auto& [id, camera] : *calibrated) model.mutable_camera(id) = camera;
     for (const auto& [twin, camera] : problem.twins) model.share_lens(camera);
-    auto placement = place_images(
-        model, problem, pairs_seen_through(*calibrated, problem, graph, options.verification),
-        options);
+    auto placement =
+        place_images(model, problem,
+                     pairs_seen_through(other_than_verified(*calibrated, problem, graph), problem,
+                                        graph, options.verification),
+                     options);
     if (!placement.ok()) return placement.error();
     const auto adjusted = adjust_in_rounds(
         model, covering_tracks(model, placement->pairs, options.global.adjusted_tracks_per_image),
