@@ -35,7 +35,8 @@ constexpr std::array kPhotographAndPairOptions{
     PSFM_OPTION(retrieval.max_words, 2, kCount, "most words of a trained vocabulary", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.training_features, 2, kCount, "descriptors that a vocabulary is trained from", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.training_iterations, 1, 1000, "iterations of k-means at each of its two levels", "not tuned"),
-    PSFM_OPTION(retrieval.vouched_part, 0, 1, "part of the candidates that the most similar images have edges with", "ours; docs/retrieval.md"),
+    PSFM_OPTION(retrieval.vouched_beyond, 0, 1e6, "images for each candidate up to which similarity finds what overlaps", "ours; docs/retrieval.md"),
+    PSFM_OPTION(retrieval.vouched_part, 0, 1, "part of the candidates of larger collections that the most similar images have edges with", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.words_per_image, 1, kCount, "words of a trained vocabulary for each image present", "ours; docs/retrieval.md"),
 
     PSFM_OPTION(verification.cells.iterations, 1, 1000, "iterations of k-means over descriptors", "not tuned"),

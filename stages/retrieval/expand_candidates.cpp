@@ -30,14 +30,23 @@ Scores vouch(std::span<const ScoredImage> similar, const ViewGraph& view_graph) 
     return scores;
 }
 
+/// Of so many candidates of an image, those that others vouch for.
+std::size_t vouched_candidates(std::size_t count, std::size_t images,
+                               const RetrievalOptions& options) {
+    const double similar_up_to = options.vouched_beyond * static_cast<double>(count);
+    const double beyond = static_cast<double>(images) - similar_up_to;
+    if (beyond <= 0.0) return 0;
+    return static_cast<std::size_t>(std::lround(options.vouched_part * static_cast<double>(count) *
+                                                beyond / static_cast<double>(images)));
+}
+
 }  // namespace
 
 std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
                                            const ViewGraph& view_graph,
                                            const RetrievalOptions& options) {
     const std::size_t count = options.candidates;
-    const auto vouched =
-        static_cast<std::size_t>(std::lround(options.vouched_part * static_cast<double>(count)));
+    const std::size_t vouched = vouched_candidates(count, view_graph.size(), options);
     similar = similar.first(std::min(similar.size(), count));
     const std::size_t asked = std::min(similar.size(), count - std::min(count, vouched));
     if (asked == similar.size()) return {similar.begin(), similar.end()};

@@ -18,9 +18,9 @@ namespace psfm {
 /// by features (ours; docs/retrieval.md).
 /// @param similar  of InvertedFile::most_similar, descending by score
 /// @param view_graph  images are numbered as the index has them; may be without some
-/// @return at most options.candidates, of them options.vouched_part at most that others vouch for:
-/// similar ones first, then the others, each descending by score, then
-/// ascending by image; scores of the others are below those of the first
+/// @return at most options.candidates, of them options.vouched_part at most that others vouch for,
+/// fewer the smaller the collection (vouched_beyond): similar ones first, then the others, each
+/// descending by score, then ascending by image; scores of the others are below those of the first
 /// Deterministic. Cost: O(edges of the similar images). Thread-safe.
 std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
                                            const ViewGraph& view_graph,

@@ -38,6 +38,8 @@ Result<void> validate(const RetrievalOptions& options) {
     }
     if (!(options.vouched_part >= 0.0) || !(options.vouched_part <= 1.0))
         return Error{ErrorCode::kInvalidArgument, "retrieval: vouched_part must lie in 0 to 1"};
+    if (!(options.vouched_beyond >= 0.0))
+        return Error{ErrorCode::kInvalidArgument, "retrieval: vouched_beyond must not be negative"};
     return {};
 }
 

@@ -16,10 +16,15 @@ struct RetrievalOptions {
     /// Paper, section "Progressive Viewgraph": 100.
     std::size_t candidates = 100;
     /// Part of the candidates that are there because the most similar images have edges with them,
-    /// where not all are candidates. Raised: fewer are asked that nobody knows, so that places
-    /// which have not met yet meet later; lowered: in a large collection more of what overlaps is
-    /// missed. 0: by similarity alone, as the paper. Ours.
+    /// in a collection that outgrows similarity. Raised: fewer are asked that nobody knows, so that
+    /// places which have not met yet meet later; lowered: in a large collection more of what
+    /// overlaps is missed. 0: by similarity alone, as the paper. Ours.
     double vouched_part = 0.5;
+    /// Images for each candidate up to which similarity finds what overlaps; with more of them the
+    /// part above is approached. Raised: as above, lowered; lowered: where a few hundred
+    /// photographs of streams resemble each other, those of other streams are asked too late
+    /// (quad-streams). Ours.
+    double vouched_beyond = 10.0;
     /// Features of an image that are indexed and looked up, largest scale first. More: memory and
     /// time grow in proportion, at 4 bytes a feature; fewer: weakly overlapping images are missed.
     /// Ours.

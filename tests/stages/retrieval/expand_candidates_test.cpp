@@ -38,6 +38,7 @@ RetrievalOptions options_of(std::size_t candidates, std::size_t vouched) {
     RetrievalOptions options;
     options.candidates = candidates;
     options.vouched_part = static_cast<double>(vouched) / static_cast<double>(candidates);
+    options.vouched_beyond = 0.0;
     return options;
 }
 
@@ -82,6 +83,16 @@ TEST(ExpandCandidates, AsManyAsAskedForAreVouchedFor) {
               (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 11}));
     EXPECT_EQ(expand_candidates(kSimilar, two_places(), options_of(3, 3)).size(), 3U);
     EXPECT_TRUE(expand_candidates({}, two_places(), options_of(3, 2)).empty());
+}
+
+TEST(ExpandCandidates, SimilarityIsEnoughInASmallCollection) {
+    RetrievalOptions options = options_of(6, 2);
+    options.vouched_beyond = 1.0;  // 6 of 20 images: 14 parts of 20 of the two
+    EXPECT_EQ(images_of(expand_candidates(kSimilar, two_places(), options)),
+              (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 11}));
+    options.vouched_beyond = 10.0;
+    EXPECT_EQ(images_of(expand_candidates(kSimilar, two_places(), options)),
+              (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
 }
 
 }  // namespace
