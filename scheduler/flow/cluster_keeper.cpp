@@ -3,14 +3,46 @@
 #include "scheduler/flow/cluster_keeper.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
 #include <utility>
 
 #include "graph/sorted_unique.h"
 #include "scheduler/report/describe_events.h"
 #include "stages/clustering/host_cluster.h"
 #include "stages/clustering/update_clustering.h"
+#include "stages/merge/consistency/stand_together.h"
 
 namespace psfm {
+namespace {
+
+using ClusterPair = std::pair<ClusterId, ClusterId>;
+
+/// All verified pairs between the images that two clusters place, edges at present or not.
+ClusterPairEdgesPtr verified_between(const EdgeSelection& selection, const ClusterEntry& a,
+                                     const ClusterEntry& b) {
+    std::vector<VerifiedPairPtr> edges;
+    std::vector<ImagePair> weak;
+    const Reconstruction& others = *b.published.model;
+    for (const RegisteredImage& image : a.published.model->images) {
+        for (const EdgeSelection::Edge& edge : selection.edges[index_of(image.image)]) {
+            if (others.find(edge.neighbor) != nullptr) edges.push_back(edge.pair);
+        }
+        for (const EdgeSelection::Edge& edge : selection.weak[index_of(image.image)]) {
+            if (others.find(edge.neighbor) != nullptr) weak.push_back(edge.pair->pair);
+        }
+    }
+    return cluster_pair_edges(a.id, b.id, std::move(edges), std::move(weak));
+}
+
+bool all_settled(const ClusterTable& clusters) {
+    return std::ranges::all_of(clusters.entries(), [](const auto& entry) {
+        return !entry.second.published.model || entry.second.published.settled;
+    });
+}
+
+}  // namespace
 
 Result<StoredEdit> ClusterKeeper::add_image(ImageId image,
                                             const std::vector<VerifiedPairPtr>& pairs) {
@@ -43,10 +75,8 @@ Result<StoredEdit> ClusterKeeper::forget_places() {
     if (std::exchange(places_forgotten_at_, state_->verified) == state_->verified)
         return StoredEdit{};
     if (state_->edges.apart_count == 0) return StoredEdit{};
-    const bool is_settled = std::ranges::all_of(state_->clusters.entries(), [](const auto& entry) {
-        return !entry.second.published.model || entry.second.published.settled;
-    });
-    if (is_settled) return StoredEdit{};  // nothing has come since it was asked last
+    if (all_settled(state_->clusters)) return StoredEdit{};  // nothing has come since then
+    reunion_is_due_ = true;
     PlaceVerdict verdict;
     std::set<ClusterId> holders;
     for (const std::vector<ImageId>& images :
@@ -59,6 +89,48 @@ Result<StoredEdit> ClusterKeeper::forget_places() {
     }
     if (verdict.empty()) return StoredEdit{};
     return apply(keep_apart(state_->edges, state_->view_graph, verdict), holders);
+}
+
+Result<StoredEdit> ClusterKeeper::reunite_places() {
+    if (!reunion_is_due_ || !all_settled(state_->clusters)) return StoredEdit{};
+    reunion_is_due_ = false;
+    PlaceVerdict verdict;
+    std::set<ClusterId> holders;
+    for (const std::vector<ImageId>& images :
+         images_held_apart(state_->clustering, state_->edges)) {
+        if (options_->solve.policy.may_be_doubted(images.size())) continue;  // asked once more
+        std::map<ClusterPair, std::vector<ImagePair>> apart;
+        for (const ImagePair& pair : apart_pairs_of(state_->edges, images)) {
+            const std::vector<ClusterId>& cluster_of = state_->clustering.cluster_of;
+            const ClusterPair clusters =
+                std::minmax(cluster_of[index_of(pair.first)], cluster_of[index_of(pair.second)]);
+            apart[clusters].push_back(pair);
+        }
+        for (auto& [clusters, pairs] : apart) {
+            const auto together = stand_together(clusters);
+            if (!together.ok()) return together.error();
+            if (!*together) continue;
+            outbox_->tell(describe_reunion(clusters.first, clusters.second), *state_);
+            for (const ImagePair& pair : pairs)
+                holders.insert(state_->clustering.cluster_of[index_of(pair.first)]);
+            std::ranges::move(pairs, std::back_inserter(verdict.together));
+        }
+    }
+    if (verdict.empty()) return StoredEdit{};
+    std::ranges::sort(verdict.together);
+    return apply(keep_apart(state_->edges, state_->view_graph, verdict), holders);
+}
+
+Result<bool> ClusterKeeper::stand_together(const ClusterPair& clusters) {
+    const auto& [first, second] = clusters;
+    if (first == second) return false;
+    const auto awake = state_->models.use(std::array{first, second}, state_->clusters, *store_);
+    if (!awake.ok()) return awake.error();
+    const ClusterEntry& a = state_->clusters.entries().at(first);
+    const ClusterEntry& b = state_->clusters.entries().at(second);
+    if (!a.published.model || !b.published.model) return false;
+    return psfm::stand_together(*a.published.model, *b.published.model,
+                                *verified_between(state_->edges, a, b), options_->merge.constraint);
 }
 
 Result<StoredEdit> ClusterKeeper::apply(const EdgeChanges& edges,

@@ -4,6 +4,7 @@
 
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "graph/result.h"
@@ -35,6 +36,10 @@ class ClusterKeeper {
     /// all images of the session say it again. Once for each number of them. @return empty: there
     /// was nothing @errors those of the store
     Result<StoredEdit> forget_places();
+    /// Forgets it of large clusters whose settled models stand together all the same
+    /// (stand_together.h). Once after what forget_places() found to be unsettled. @return empty:
+    /// there was nothing @errors those of the store
+    Result<StoredEdit> reunite_places();
     /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return empty:
     /// there was nothing @errors those of the store
     Result<StoredEdit> join_late();
@@ -45,6 +50,8 @@ class ClusterKeeper {
     StoredCluster stored(const ClusterEntry& entry) const;
 
   private:
+    /// Whether the models of two clusters do. @errors those of the store
+    Result<bool> stand_together(const std::pair<ClusterId, ClusterId>& clusters);
     /// Takes over what changed in the view graph.
     /// @param others  clusters whose records changed as well
     Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);
@@ -64,6 +71,7 @@ class ClusterKeeper {
     SessionState* state_;
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
+    bool reunion_is_due_ = false;            // once all models have settled
 };
 
 /// Whether there is anything in it.

@@ -16,6 +16,7 @@ Result<void> Committer::conclude(CommitOutput& output) {
     if (!std::exchange(settle_first_, false)) {
         auto edit = keeper_.forget_places();
         if (edit.ok() && !changes_clusters(*edit)) edit = keeper_.join_late();
+        if (edit.ok() && !changes_clusters(*edit)) edit = keeper_.reunite_places();
         if (!edit.ok()) return edit.error();
         if (changes_clusters(*edit)) {
             changed_ = true;

@@ -129,6 +129,17 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
     return event;
 }
 
+SessionEvent describe_reunion(ClusterId a, ClusterId b) {
+    SessionEvent event;
+    event.kind = SessionEvent::Kind::kPlaces;
+    event.clusters = {index_of(a), index_of(b)};
+    event.text =
+        "clusters " + std::to_string(index_of(a)) + " and " + std::to_string(index_of(b)) +
+        " were kept apart, and stand together without a contradiction: they may join again";
+    event.detail_json = nlohmann::json{{"together", true}}.dump();
+    return event;
+}
+
 std::optional<SessionEvent> describe_cameras(const ClusterProblem& problem,
                                              const ClusterSolution& solution,
                                              std::span<const Image> images) {

@@ -26,6 +26,9 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
 SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolution& solution,
                              std::span<const Image> images);
 
+/// Clusters that were taken for different places, and are not any more.
+SessionEvent describe_reunion(ClusterId a, ClusterId b);
+
 /// What a model says of its cameras that people should know: which photographs are of one, where
 /// that has changed, and which of them are strange.
 /// @return nothing when there is nothing to tell

@@ -96,10 +96,15 @@ void count(std::span<const Standing> cameras, Counts& least, Counts& most) {
     }
 }
 
+struct VerdictWithin {
+    bool contradict = false;
+    std::size_t matched = 0;  ///< at least
+};
+
 /// @return nothing: it depends on where within these tolerances the models stand
-std::optional<bool> verdict_within(std::span<const Neighbor> neighbors, double shift, double turn,
-                                   std::size_t ones, std::size_t others,
-                                   const ClusterConstraintOptions& options) {
+std::optional<VerdictWithin> verdict_within(std::span<const Neighbor> neighbors, double shift,
+                                            double turn, std::size_t ones, std::size_t others,
+                                            const ClusterConstraintOptions& options) {
     std::vector<Standing> one(ones);
     std::vector<Standing> other(others);
     for (const Neighbor& neighbor : neighbors) {
@@ -119,7 +124,8 @@ std::optional<bool> verdict_within(std::span<const Neighbor> neighbors, double s
     // More cameras without a match make it a contradiction, more with one none.
     const bool may = Counts{least.matched, most.unmatched}.contradict(options);
     const bool must = Counts{most.matched, least.unmatched}.contradict(options);
-    return may == must ? std::optional(must) : std::nullopt;
+    if (may != must) return std::nullopt;
+    return VerdictWithin{must, least.matched};
 }
 
 }  // namespace
@@ -146,7 +152,8 @@ CompanionVerdict judge_companions(const LookedAtModel& a, const LookedAtModel& b
             verdict_within(neighbors, tolerance * near, tolerance * turn,
                            one.cameras->depths.size(), other.cameras->depths.size(), options);
         if (!within) continue;
-        verdict = {*within, tolerance * near * b_from_other, tolerance * turn};
+        verdict = {within->contradict, within->matched, tolerance * near * b_from_other,
+                   tolerance * turn};
         break;
     }
     return verdict;

@@ -21,6 +21,8 @@ struct LookedAtModel {
 /// Whether two models contradict each other where they stand, and how far that holds.
 struct CompanionVerdict {
     bool contradict = false;
+    /// Cameras of either that are matched with one beside them, wherever that holds.
+    std::size_t matched = 0;
     /// The verdict is the same wherever no camera of `a` moves by more than `shift` [units of b],
     /// nor turns by more than `turn` [rad]. 0: nowhere else is known to.
     double shift = 0.0;

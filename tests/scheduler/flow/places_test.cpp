@@ -140,6 +140,44 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     EXPECT_EQ(again->problem->images.size(), published->images.size() + 2);
 }
 
+constexpr std::uint32_t kLargeFrom = 10;  // images that are not doubted as a whole any more
+
+TEST(Places, OfLargeSessionsStayApartWhereTheyContradictEachOther) {
+    const Streets streets;
+    const testing::TemporaryFolder folder;
+    const auto store = test::open_store(folder);
+    SerialSession session(*store, streets.scene, streets.pairs, true, {.join_below = 0},
+                          kLargeFrom);
+    for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
+    session.end();
+    EXPECT_GT(session.state().edges.apart_count, 0U);
+    expect_streets_apart(session, streets);
+}
+
+TEST(Places, OfLargeSessionsJoinAgainWhereTheyStandTogether) {
+    synthetic::SceneOptions options = synthetic::line_along_wall(kImages);
+    options.cameras.radius = 0.1 * kImages;  // steps of 20 cm
+    options.points.extent.x() = 0.2 * kImages + 8.0;
+    const synthetic::SyntheticScene scene = synthetic::make_scene(options, 1);
+    const std::vector<VerifiedPairPtr> pairs = synthetic::make_verified_pairs(scene);
+    const testing::TemporaryFolder folder;
+    const auto store = test::open_store(folder);
+    SerialSession session(*store, scene, pairs, true, {.join_below = 0}, kLargeFrom);
+    for (std::uint32_t i = 0; i + 1 < kImages; ++i) ASSERT_TRUE(session.add_image());
+    session.hold_solves();
+    ASSERT_TRUE(session.add_image());
+    ASSERT_EQ(session.held_solves(), 1U);
+    session.release_showing_two_places(session.held().front().problem->cluster);
+    session.release_solves();
+    EXPECT_GT(session.state().edges.apart_count, 0U);
+    session.end();
+    EXPECT_EQ(count_of(session, SessionEvent::Kind::kPlaces), 2U) << "told of both";
+    EXPECT_EQ(session.state().edges.apart_count, 0U);
+    EXPECT_EQ(session.state().counts.placed, kImages);
+    EXPECT_EQ(session.state().counts.effective_clusters, 1U);
+    EXPECT_TRUE(store->check({})->damaged.empty());
+}
+
 TEST(Places, SolutionsAreTakenInTheOrderOfTheirClusters) {
     const Streets streets;
     std::vector<std::vector<std::uint32_t>> orders;
