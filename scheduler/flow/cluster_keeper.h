@@ -37,8 +37,8 @@ class ClusterKeeper {
     /// was nothing @errors those of the store
     Result<StoredEdit> forget_places();
     /// Forgets it of large clusters whose settled models stand together all the same
-    /// (stand_together.h). Once after what forget_places() found to be unsettled. @return empty:
-    /// there was nothing @errors those of the store
+    /// (stand_together.h). Once in a process, and whenever models that forget_places() found to be
+    /// unsettled have settled. @return empty: there was nothing @errors those of the store
     Result<StoredEdit> reunite_places();
     /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return empty:
     /// there was nothing @errors those of the store
@@ -71,7 +71,8 @@ class ClusterKeeper {
     SessionState* state_;
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
-    bool reunion_is_due_ = false;            // once all models have settled
+    /// Once all models have settled. An earlier process may have been killed before it came to it.
+    bool reunion_is_due_ = true;
 };
 
 /// Whether there is anything in it.
