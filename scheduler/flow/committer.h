@@ -92,7 +92,8 @@ class Committer {
     Result<void> start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,
                               CommitOutput& output);
     /// What becomes of a session at rest to which no photograph comes: what was held apart is
-    /// joined, and once nothing is, all settles. @errors those of the store
+    /// joined, once nothing is, all settles, and then what was kept apart is asked once more.
+    /// @errors those of the store
     Result<void> conclude(CommitOutput& output);
     /// All that has not settled is to settle, the largest model first.
     void begin_settling();
