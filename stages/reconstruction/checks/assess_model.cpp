@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -85,18 +86,22 @@ Sights count_sights(const Reconstruction& model) {
     return sights;
 }
 
-bool hangs_together(const Reconstruction& model, const Sights& sights, std::uint32_t points) {
-    UnionFind<std::size_t> sets(model.images.size());
+/// Sizes of the parts of a model whose images hang together by so many points each, largest first.
+std::vector<std::size_t> sizes_of_parts(const Reconstruction& model, const Sights& sights,
+                                        std::uint32_t points) {
     const auto number_of = [&](std::uint64_t id) {
         const RegisteredImage* image = model.find(static_cast<ImageId>(id));
         return static_cast<std::size_t>(image - model.images.data());
     };
-    std::size_t parts = model.images.size();
+    UnionFind<std::size_t> parts(model.images.size());
     for (const auto& [key, count] : sights.in_common) {
-        if (count < points) continue;
-        if (sets.join(number_of(key >> 32U), number_of(key & 0xffffffffU))) --parts;
+        if (count >= points) parts.join(number_of(key >> 32U), number_of(key & 0xffffffffU));
     }
-    return parts <= 1;
+    std::vector<std::size_t> sizes(model.images.size(), 0);
+    for (std::size_t i = 0; i < model.images.size(); ++i) ++sizes[parts.root_of(i)];
+    std::ranges::sort(sizes, std::ranges::greater());
+    std::erase(sizes, 0U);
+    return sizes;
 }
 
 bool has_implausible_focal(const Reconstruction& model, const AssessmentOptions& options) {
@@ -182,6 +187,14 @@ bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPai
     return invented > options.max_invented * seen;
 }
 
+std::size_t loose_images(const Reconstruction& model, std::size_t smallest_part,
+                         const AssessmentOptions& options) {
+    std::size_t loose = 0;
+    const auto sizes = sizes_of_parts(model, count_sights(model), options.joint_points);
+    for (std::size_t i = 1; i < sizes.size() && sizes[i] >= smallest_part; ++i) loose += sizes[i];
+    return loose;
+}
+
 Weaknesses weaknesses_of(const Reconstruction& model, const AssessmentOptions& options) {
     Weaknesses found;
     if (model.empty()) return found;
@@ -191,7 +204,8 @@ Weaknesses weaknesses_of(const Reconstruction& model, const AssessmentOptions& o
     seen.reserve(sights.of_image.size());
     for (const auto& [image, points] : sights.of_image) seen.push_back(points);
     if (median(std::move(seen)) < options.weak_points) found.add(Weakness::kFewPoints);
-    if (!hangs_together(model, sights, options.joint_points)) found.add(Weakness::kThinJoint);
+    if (sizes_of_parts(model, sights, options.joint_points).size() > 1)
+        found.add(Weakness::kThinJoint);
     if (has_implausible_focal(model, options)) found.add(Weakness::kImplausibleFocal);
     return found;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "graph/reconstruction.h"
@@ -17,6 +18,12 @@ namespace psfm {
 /// @param edges  of the model's images; others are passed over
 bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPairPtr> edges,
                         const AssessmentOptions& options);
+
+/// Images in parts of a model that hang on the largest one by a handful of points: they may swing
+/// about these. @param smallest_part  smaller parts are passed over: an image that was hard to
+/// place is no hinge. Cost: once through its observations.
+std::size_t loose_images(const Reconstruction& model, std::size_t smallest_part,
+                         const AssessmentOptions& options);
 
 /// Why a model is weak; nothing for an empty one. Cost: once through its observations.
 Weaknesses weaknesses_of(const Reconstruction& model, const AssessmentOptions& options);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "stages/reconstruction/checks/assess_model.h"
 #include "stages/reconstruction/checks/separate_places.h"
 
 namespace psfm {
@@ -117,6 +118,8 @@ Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOpt
     ModelScore& score = judged.score;
     score.images = static_cast<std::uint32_t>(attempt.model.images.size());
     score.observations = observations_by_place(attempt);
+    score.loose = static_cast<std::uint32_t>(
+        loose_images(attempt.model, options.policy.mu_min, options.assessment));
     for (const ComparedPair& pair : judged.compared) {
         score.regions += pair.regions;
         score.missing += pair.missing;
@@ -136,7 +139,7 @@ bool is_doubted(const Judged& judged) {
 }
 
 bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options) {
-    if (other.images < best.images) return false;
+    if (other.images < best.images || other.loose > best.loose) return false;
     const auto explains = [&](double factor) {
         return static_cast<double>(other.observations) >= factor * best.observations;
     };

@@ -21,6 +21,7 @@ struct ModelScore {
     std::uint32_t missing = 0;
     std::uint32_t contradicting = 0;  ///< pairs
     std::uint32_t denied = 0;         ///< strong edges of which the model explains next to nothing
+    std::uint32_t loose = 0;          ///< images (loose_images)
 
     double missing_part() const {
         return static_cast<double>(missing) / (regions > 0 ? regions : 1);
@@ -28,8 +29,9 @@ struct ModelScore {
     bool operator==(const ModelScore&) const = default;
 };
 
-/// Whether one model is to take the place of another: it places as many images, and clearly less is
-/// missing from it; or no more is missing, and it explains more.
+/// Whether one model is to take the place of another: it places as many images, no more of them
+/// loosely, and clearly less is missing from it; or no more is missing, and it explains more. What
+/// swings about a hinge misses its neighbours' features no longer, and explains as much as before.
 bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options);
 
 /// A pair between two images of a model.

@@ -131,6 +131,9 @@ TEST(WeaknessesOf, ThinJoint) {
     ASSERT_GT(across, 10);
     ring.model.points = ScenePoints(points);
     EXPECT_EQ(list_of(weaknesses_of(ring.model, {})), std::vector{Weakness::kThinJoint});
+    EXPECT_EQ(loose_images(ring.model, 5, {}), ring.model.images.size() - 5);
+    EXPECT_EQ(loose_images(ring.model, ring.model.images.size(), {}), 0U) << "no such part";
+    EXPECT_EQ(loose_images(Ring().model, 1, {}), 0U);
 }
 
 TEST(WeaknessesOf, ImplausibleFocals) {

@@ -87,6 +87,12 @@ TEST(ModelScore, LessMissingOutweighsMoreExplained) {
     right.observations = 950;
     right.images = 19;
     EXPECT_FALSE(is_better(right, folded, {})) << "an image is lost";
+    right.images = 20;
+    right.loose = 6;
+    EXPECT_FALSE(is_better(right, folded, {})) << "a part of it swings";
+    ModelScore swings = folded;
+    swings.loose = 6;
+    EXPECT_TRUE(is_better(right, swings, {})) << "so does the other's";
 }
 
 TEST(ModelScore, WhereTheSameIsMissingTheOneThatExplainsMoreIsBetter) {
