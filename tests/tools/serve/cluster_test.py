@@ -168,13 +168,15 @@ class Cluster:
         self.judge(total, watched, code, time.time() - began)
 
     def wait_until_settled(self, total, look):
-        """All have come, and three quiet looks: the last change has been told."""
-        quiet, before = 0, None
+        """All have come, and for six seconds neither counts change nor does the server do anything to speak of."""
+        quiet, before, worked = 0, None, 0.0
         while quiet < 6:
             time.sleep(1)
             counts = self.server.json("/session", look)["counts"]
-            quiet = quiet + 1 if counts == before and counts["images"] + counts["rejected"] >= total else 0
-            before = counts
+            seconds = self.server.processor_seconds()
+            is_idle = counts == before and seconds - worked < 0.3
+            quiet = quiet + 1 if is_idle and counts["images"] + counts["rejected"] >= total else 0
+            before, worked = counts, seconds
 
     def judge(self, total, watched, code, seconds):
         status = json.loads(self.psfm("status", "--session", self.session, "--json"))

@@ -4,6 +4,7 @@
 import hashlib
 import http.client
 import json
+import os
 import re
 import signal
 import socket
@@ -31,6 +32,11 @@ class Server:
             raise RuntimeError(f"psfm {command} said {line!r} and {self.errors!r}")
         self.port = int(found.group(1))
         self.host = f"127.0.0.1:{self.port}"
+
+    def processor_seconds(self):
+        """What the server has used so far, without its children."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def ask(self, method, path, body=None, token=None, **headers):
         """@return status, headers, body"""
