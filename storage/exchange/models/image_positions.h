@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "storage/exchange/models/exported_model.h"
 
@@ -46,6 +47,14 @@ inline std::array<double, 2> radial_distortion(const Camera& camera) {
             return {camera.params[4], camera.params[5]};
     }
     return {0.0, 0.0};
+}
+
+/// The one coefficient that comes nearest to both, over the circle around the photograph: k that
+/// minimises the integral of (k r^3 - k1 r^3 - k2 r^5)^2 over its area.
+inline double single_radial_distortion(const Camera& camera) {
+    const auto [k1, k2] = radial_distortion(camera);
+    const double radius = 0.5 * std::hypot(camera.width, camera.height) / camera.mean_focal();
+    return k1 + 0.8 * k2 * radius * radius;
 }
 
 }  // namespace psfm

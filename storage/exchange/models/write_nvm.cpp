@@ -18,7 +18,7 @@ void write_nvm_camera(const ExportedImage& image, const Camera& camera, OutputFi
     file.text(nvm_name(image.name));
     file.text(" ");
     file.numbers(camera.mean_focal(), rotation.w(), rotation.x(), rotation.y(), rotation.z(),
-                 centre.x(), centre.y(), centre.z(), -radial_distortion(camera)[0]);
+                 centre.x(), centre.y(), centre.z(), -single_radial_distortion(camera));
     file.text("0\n");
 }
 

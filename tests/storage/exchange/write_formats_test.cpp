@@ -66,6 +66,32 @@ TEST_F(WriteFormats, PlyHoldsPointsThenCentres) {
               model_.images[2].cam_from_world.target_origin_in_source().cast<float>());
 }
 
+TEST_F(WriteFormats, NvmHasTheCoefficientThatComesNearestToTwo) {
+    for (ExportedCamera& item : model_.cameras) {
+        item.camera.model = CameraModel::kRadial;
+        item.camera.params[3] = 0.15;
+        item.camera.params[4] = -0.3;
+    }
+    std::istringstream stream(write(ExportFormat::kNvm, "0.nvm"));
+    std::string words;
+    std::size_t images = 0;
+    stream >> words >> images;
+    for (int i = 0; i < 8; ++i) stream >> words;  // name, focal length, rotation, centre but for z
+    double z = 0.0;
+    double distortion = 0.0;
+    stream >> z >> distortion;
+    Camera camera = model_.find_camera(model_.images[0].camera_id)->camera;
+    const auto both = [&](double r) { return 0.15 * r * r * r - 0.3 * r * r * r * r * r; };
+    const double corner = 0.5 * std::hypot(camera.width, camera.height) / camera.fx();
+    double error = 0.0;
+    double error_of_first = 0.0;
+    for (double r = 0.0; r < corner; r += corner / 100.0) {
+        error += r * std::pow(both(r) + distortion * r * r * r, 2);
+        error_of_first += r * std::pow(both(r) - 0.15 * r * r * r, 2);
+    }
+    EXPECT_LT(error, 0.1 * error_of_first);
+}
+
 TEST_F(WriteFormats, NvmReprojects) {
     model_.images[0].name = "with space.jpg";
     std::istringstream stream(write(ExportFormat::kNvm, "0.nvm"));
