@@ -23,7 +23,7 @@ std::int64_t whole_number(const Exiv2::Exifdatum& datum, std::size_t n) {
 /// The n-th value of a tag as a finite number. Zero denominators are no number.
 std::optional<double> number(const Exiv2::ExifData& data, const char* key, long n = 0) {
     const auto found = data.findKey(Exiv2::ExifKey(key));
-    if (found == data.end() || n >= found->count()) return std::nullopt;
+    if (found == data.end() || n >= static_cast<long>(found->count())) return std::nullopt;
     double value = 0.0;
     switch (found->typeId()) {
         case Exiv2::unsignedRational: {
