@@ -39,6 +39,20 @@ std::vector<CameraId> cameras_of_only(const WorkingModel& model,
 
 }  // namespace
 
+std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32_t images) {
+    std::map<CameraId, std::uint32_t> counts;
+    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
+        if (model.registered(image)) ++counts[model.camera_id(image)];
+    }
+    std::vector<CameraId> cameras;
+    for (const auto& [camera, count] : counts) {
+        if (count >= images && !model.has_twin(camera) &&
+            model.cameras().at(camera).focal_source != FocalSource::kGiven)
+            cameras.push_back(camera);
+    }
+    return cameras;
+}
+
 AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics) {
     AdjustmentScope scope;
     std::set<CameraId> cameras;

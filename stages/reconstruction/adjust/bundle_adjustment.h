@@ -41,6 +41,10 @@ struct AdjustmentScope {
     std::optional<Gauge> gauge;
 };
 
+/// Cameras that at least so many registered images share, ascending; given ones keep their
+/// principal point, and so do those of turned photographs, which only share the lens.
+std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32_t images);
+
 /// Everything free; the gauge is fixed at the image with most observations and the one farthest
 /// from it.
 AdjustmentScope full_scope(const WorkingModel& model, bool free_intrinsics);

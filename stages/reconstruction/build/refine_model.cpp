@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
-#include <map>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -26,22 +25,6 @@ std::size_t observation_count(const WorkingModel& model, std::span<const std::ui
     for (const std::uint32_t point : points_seen_by(model, images))
         count += model.points()[point].track.size();
     return count;
-}
-
-/// Cameras that at least so many registered images share, ascending; given ones keep their
-/// principal point, and so do those of turned photographs, which only share the lens.
-std::vector<CameraId> cameras_with_images(const WorkingModel& model, std::uint32_t images) {
-    std::map<CameraId, std::uint32_t> counts;
-    for (std::uint32_t image = 0; image < model.image_count(); ++image) {
-        if (model.registered(image)) ++counts[model.camera_id(image)];
-    }
-    std::vector<CameraId> cameras;
-    for (const auto& [camera, count] : counts) {
-        if (count >= images && !model.has_twin(camera) &&
-            model.cameras().at(camera).focal_source != FocalSource::kGiven)
-            cameras.push_back(camera);
-    }
-    return cameras;
 }
 
 /// Ascending.

@@ -10,35 +10,10 @@
 
 #include "stages/algorithms/adjustment/reprojection_cost.h"
 #include "stages/reconstruction/adjust/thin_points.h"
+#include "stages/reconstruction/checks/model_alone.h"
 
 namespace psfm {
 namespace {
-
-/// The images of a model, with ties, as a problem that nothing is to be added to: no edges.
-ClusterProblem placed_part(const Reconstruction& model, const ClusterProblem& problem,
-                           const CameraTies& ties) {
-    ClusterProblem part;
-    part.held_cameras = problem.held_cameras;
-    part.twins = ties.twins;
-    for (const ClusterImage& image : problem.images) {
-        if (model.find(image.id) == nullptr) continue;
-        part.images.push_back(image);
-        CameraId& camera = part.images.back().camera;
-        camera = ties.standing.at(camera);
-        part.cameras[camera] = problem.cameras.at(camera);
-    }
-    return part;
-}
-
-CorrespondenceGraph without_edges(const ClusterProblem& problem) {
-    std::vector<ImageId> ids;
-    std::vector<std::uint32_t> feature_counts;
-    for (const ClusterImage& image : problem.images) {
-        ids.push_back(image.id);
-        feature_counts.push_back(static_cast<std::uint32_t>(image.keypoints->size()));
-    }
-    return {ids, feature_counts, {}};
-}
 
 struct Costs {
     double sum = 0.0;
@@ -81,10 +56,8 @@ struct Adjusted {
 
 Adjusted adjusted(const std::shared_ptr<const Reconstruction>& model, const ClusterProblem& problem,
                   const CameraTies& ties, const TieOptions& options) {
-    const ClusterProblem part = placed_part(*model, problem, ties);
-    const CorrespondenceGraph matches = without_edges(part);
-    WorkingModel working(part, matches);
-    working.load(*with_ties(model, problem, ties));
+    ModelAlone alone(model, problem, ties);
+    WorkingModel& working = alone.model;
     AdjustmentScope scope = full_scope(working, true);
     scope.points = covering_points(working, {}, options.points_per_image);
     const AdjustmentOptions adjustment{

@@ -41,6 +41,24 @@ struct InitializationOptions {
     std::uint32_t max_starts = 3;
 };
 
+/// When a camera gets a second radial coefficient (judge_lenses.h). All ours; figures:
+/// docs/accuracy.md.
+struct LensOptions {
+    /// Images that have to share it; 0: no camera gets one, as in the paper. Lowered: few images
+    /// are explained by whatever is free.
+    std::uint32_t min_images = 10;
+    /// Part of the RMS error that goes with it. Lowered: cameras get coefficients that say nothing;
+    /// raised: lenses stay bent.
+    double min_gain = 0.01;
+    /// Part by which the focal length may change. Raised: scenes that do not determine it end with
+    /// a wrong one; lowered: what one coefficient has bent stays so.
+    double max_focal_change = 0.015;
+    /// Points that are adjusted to find that out, about so many seen by each image.
+    std::uint32_t points_per_image = 400;
+    /// function_tolerance of these adjustments, at least.
+    double tolerance = 1e-5;
+};
+
 /// Adjusting all of a model.
 struct RefinementOptions {
     AdjustmentOptions adjustment{
@@ -212,6 +230,7 @@ struct SolveOptions {
                                .points_per_image = 2500,
                                .thin_from_images = 200,
                                .noise = {.loss = 3.0, .max_error = 30.0}};
+    LensOptions lenses;
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
     /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
     /// tenth of the time (docs/look-alikes.md).

@@ -15,6 +15,7 @@
 #include "stages/reconstruction/solve/extend_locally.h"
 #include "stages/reconstruction/solve/finish_attempt.h"
 #include "stages/reconstruction/solve/reconsider_model.h"
+#include "stages/reconstruction/solve/settle_lenses.h"
 #include "stages/reconstruction/solve/solve_new.h"
 #include "stages/reconstruction/solve/solve_recycled.h"
 #include "stages/reconstruction/solve/solve_with_ties.h"
@@ -173,19 +174,22 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
         none.places.emplace();
         return solution_of(std::move(none), problem, WaitReason::kClusterTooSmall);
     }
+    const AttemptSolve solve_tied = [&](const ClusterProblem& tied) {
+        return attempt_solve(tied, options, cancel);
+    };
     const AttemptSolve solve_once = [&](const ClusterProblem& posed) {
-        return solve_with_ties(posed, options, [&](const ClusterProblem& tied) {
-            return attempt_solve(tied, options, cancel);
-        });
+        return solve_with_ties(posed, options, solve_tied);
     };
     const auto reconsidered = as_reconsidered(problem, options.doubt);
     auto attempt = solve_once(reconsidered ? *reconsidered : problem);  // 1 to 6
     if (attempt.ok() && problem.concluding)
         attempt = reconsider_model(problem, *std::move(attempt), options, solve_once);  // 7
+    if (attempt.ok())
+        attempt = settle_lenses(problem, *std::move(attempt), options, solve_tied, cancel);  // 8
     if (!attempt.ok()) return attempt.error();
     const WaitReason reason =
-        assess(*attempt, problem, options).value_or(WaitReason::kNoSeed);  // 8
-    if (!attempt->places) ask_for_places(*attempt, problem, options);      // 9
+        assess(*attempt, problem, options).value_or(WaitReason::kNoSeed);  // 9
+    if (!attempt->places) ask_for_places(*attempt, problem, options);      // 10
     return solution_of(*std::move(attempt), problem, reason);
 }
 

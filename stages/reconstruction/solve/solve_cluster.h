@@ -21,8 +21,9 @@ namespace psfm {
 ///    with a new start (judge_model.h).
 /// 6. The ties of cameras are judged; those that do not hold are cut, and 2 to 5 done again.
 /// 7. Once no photograph follows, a doubtful model is compared with others (reconsider_model.h).
-/// 8. A model of invented depth is given up, a weak one says so (assess_model.h).
-/// 9. It is asked whether the model shows several places (separate_places.h).
+/// 8. Where it settles, lenses get a second coefficient that need one (settle_lenses.h).
+/// 9. A model of invented depth is given up, a weak one says so (assess_model.h).
+/// 10. It is asked whether the model shows several places (separate_places.h).
 /// A cluster below mu_min, or one that no pair can start, has an empty model and the reason for
 /// each image.
 /// @param cancel  when it becomes true the solve ends soon with kCancelled; may be null
