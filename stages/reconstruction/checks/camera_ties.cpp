@@ -168,7 +168,7 @@ std::shared_ptr<const Reconstruction> with_ties(std::shared_ptr<const Reconstruc
     for (const auto& [id, cameras] : become) result->cameras[id] = middle_of(cameras);
     for (const auto& [twin, camera] : ties.twins) {
         if (!become.contains(twin)) continue;
-        const Camera& lens = middle_of(lenses.at(camera));
+        const Camera lens = middle_of(lenses.at(camera));
         result->cameras[twin] = with_lens_of(result->cameras.at(twin), lens);
         if (become.contains(camera))
             result->cameras[camera] = with_lens_of(result->cameras.at(camera), lens);
