@@ -150,7 +150,7 @@ CameraTies recycled_ties(const ClusterProblem& problem) {
     return ties;
 }
 
-std::shared_ptr<const Reconstruction> with_ties(std::shared_ptr<const Reconstruction> model,
+std::shared_ptr<const Reconstruction> with_ties(const std::shared_ptr<const Reconstruction>& model,
                                                 const ClusterProblem& problem,
                                                 const CameraTies& ties) {
     auto result = std::make_shared<Reconstruction>(*model);
@@ -191,7 +191,7 @@ ClusterProblem tied(const ClusterProblem& problem, const CameraTies& ties) {
     result.cameras = by_standing(problem.cameras);
     result.calibrated = by_standing(problem.calibrated);
     result.twins = ties.twins;
-    for (auto& model : result.recycled) model = with_ties(std::move(model), problem, ties);
+    for (auto& model : result.recycled) model = with_ties(model, problem, ties);
     return result;
 }
 

@@ -46,7 +46,7 @@ CameraTies recycled_ties(const ClusterProblem& problem);
 /// middle one of their images' focal lengths; where one becomes several, each is a copy. Images
 /// that are no members of the cluster stay as they are.
 /// @return the model itself where nothing changes
-std::shared_ptr<const Reconstruction> with_ties(std::shared_ptr<const Reconstruction> model,
+std::shared_ptr<const Reconstruction> with_ties(const std::shared_ptr<const Reconstruction>& model,
                                                 const ClusterProblem& problem,
                                                 const CameraTies& ties);
 
