@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,12 +21,15 @@ namespace {
 
 using ModelPtr = std::shared_ptr<const Reconstruction>;
 
+bool has_one_coefficient(const Camera& camera) {
+    return camera.model == CameraModel::kSimpleRadial && camera.focal_source != FocalSource::kGiven;
+}
+
 /// Cameras of one coefficient that enough images share, ascending.
 std::vector<CameraId> candidates(const WorkingModel& model, std::uint32_t min_images) {
     std::vector<CameraId> cameras = cameras_with_images(model, min_images);
-    std::erase_if(cameras, [&](CameraId camera) {
-        return model.cameras().at(camera).model != CameraModel::kSimpleRadial;
-    });
+    std::erase_if(
+        cameras, [&](CameraId camera) { return !has_one_coefficient(model.cameras().at(camera)); });
     return cameras;
 }
 
@@ -60,9 +64,12 @@ Result<ModelPtr> judge_lenses(const ModelPtr& model, const ClusterProblem& probl
                               const CameraTies& ties, const SolveOptions& options,
                               const std::atomic<bool>* cancel) {
     const LensOptions& lenses = options.lenses;
+    const bool may_be_asked = std::ranges::any_of(
+        model->cameras, [](const auto& camera) { return has_one_coefficient(camera.second); });
+    if (lenses.min_images == 0 || !may_be_asked) return ModelPtr();
     const ModelAlone alone(model, problem, ties);
     std::vector<CameraId> cameras = candidates(alone.model, lenses.min_images);
-    if (lenses.min_images == 0 || cameras.empty()) return ModelPtr();
+    if (cameras.empty()) return ModelPtr();
     const RefinementOptions& settling = options.settling;
     AdjustmentOptions adjustment =
         fitted_to_noise(alone.model, settling.adjustment, settling.noise);

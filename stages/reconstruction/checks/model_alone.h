@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include "graph/reconstruction.h"
 #include "stages/reconstruction/checks/camera_ties.h"
 #include "stages/reconstruction/model/cluster_problem.h"

@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "stages/reconstruction/checks/judged_model.h"
+#include "tests/stages/reconstruction/problems.h"
 #include "tests/synthetic/scene.h"
 #include "tests/synthetic/verified_pairs.h"
 
@@ -134,6 +136,10 @@ TEST(WeaknessesOf, ThinJoint) {
     EXPECT_EQ(loose_images(ring.model, 5, {}), ring.model.images.size() - 5);
     EXPECT_EQ(loose_images(ring.model, ring.model.images.size(), {}), 0U) << "no such part";
     EXPECT_EQ(loose_images(Ring().model, 1, {}), 0U);
+    SolveAttempt attempt;
+    attempt.model = ring.model;
+    attempt.places.emplace();
+    EXPECT_EQ(judge(attempt, problem_of(ring.scene, ring.pairs), {}).score.loose, 5U);
 }
 
 TEST(WeaknessesOf, ImplausibleFocals) {
