@@ -117,28 +117,21 @@ bool block_is_free(const AdjustmentParameters& parameters, const AdjustmentScope
            });
 }
 
-std::vector<int> held_intrinsics(CameraModel model, bool free_principal_point) {
-    // The principal point is the first two of each list.
-    std::vector<int> constant;
-    switch (model) {
-        case CameraModel::kSimplePinhole:
-            constant = {1, 2, 3, 4, 5, 6, 7};
-            break;
-        case CameraModel::kSimpleRadial:
-            constant = {1, 2, 4, 5, 6, 7};
-            break;
-        case CameraModel::kRadial:
-            constant = {1, 2, 5, 6, 7};
-            break;
-        case CameraModel::kPinhole:
-            constant = {2, 3, 4, 5, 6, 7};
-            break;
-        case CameraModel::kOpenCv:
-            constant = {2, 3};
-            break;
+std::vector<int> held_intrinsics(const WorkingModel& model, const AdjustmentScope& scope,
+                                 CameraId camera) {
+    const Camera& of = model.cameras().at(camera);
+    const int focals = of.has_two_focals() ? 2 : 1;
+    const bool holds_focals = std::ranges::binary_search(scope.held_focal_lengths, camera);
+    const bool frees_point = std::ranges::binary_search(scope.free_principal_points, camera);
+    std::vector<int> held;
+    for (int slot = 0; slot < kIntrinsicsSize; ++slot) {
+        const bool is_focal = slot < focals;
+        const bool is_point = !is_focal && slot < focals + 2;
+        if (slot >= parameter_count(of.model) || (is_focal && holds_focals) ||
+            (is_point && !frees_point))
+            held.push_back(slot);
     }
-    if (free_principal_point) constant.erase(constant.begin(), constant.begin() + 2);
-    return constant;
+    return held;
 }
 
 int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& gauge) {

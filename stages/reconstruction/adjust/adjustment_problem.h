@@ -59,9 +59,10 @@ bool block_is_free(const AdjustmentParameters& parameters, const AdjustmentScope
 /// about the origin: 0 x, 1 y, 2 z.
 int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& gauge);
 
-/// Slots of a free camera's intrinsics that stay, ascending: unused ones, and the principal point
-/// unless it is free.
-std::vector<int> held_intrinsics(CameraModel model, bool free_principal_point);
+/// Slots of a free camera's intrinsics that stay, ascending: unused ones, the principal point
+/// unless it is free, focal lengths that are held.
+std::vector<int> held_intrinsics(const WorkingModel& model, const AdjustmentScope& scope,
+                                 CameraId camera);
 
 /// Takes the free ones of the parameters over; intrinsics that make no sense are left out.
 void write_back(const AdjustmentParameters& parameters, const AdjustmentSelection& selection,

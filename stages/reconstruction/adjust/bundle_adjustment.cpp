@@ -72,7 +72,7 @@ Result<AdjustmentCosts> adjust_with_ceres(const WorkingModel& model, const Adjus
             const bool free_point = std::ranges::binary_search(scope.free_principal_points, camera);
             const Camera& initial = model.cameras().at(camera);
             manifolds.push_back(std::make_unique<ceres::SubsetManifold>(
-                kIntrinsicsSize, held_intrinsics(initial.model, free_point)));
+                kIntrinsicsSize, held_intrinsics(model, scope, camera)));
             if (free_point) {
                 priors.emplace_back(initial, options.principal_point_sigma *
                                                  std::max(initial.width, initial.height));

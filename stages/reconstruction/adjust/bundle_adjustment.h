@@ -24,6 +24,7 @@ struct AdjustmentScope {
     std::vector<CameraId> free_cameras;      ///< ascending; focal lengths and distortion
     std::vector<CameraId>
         free_principal_points;  ///< ascending, of free_cameras: the principal point as well
+    std::vector<CameraId> held_focal_lengths;  ///< ascending, of free_cameras: only the rest moves
     /// Points seen by these images move; all other points that free images see stay fixed.
     std::vector<std::uint32_t> point_images;
     /// Points that more images see than this stay fixed: they are known well, and all who see them

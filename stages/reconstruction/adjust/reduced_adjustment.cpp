@@ -77,8 +77,7 @@ AdjustmentColumns make_columns(const WorkingModel& model, const AdjustmentScope&
         intrinsics.column = columns.count;
         intrinsics.free_principal_point =
             std::ranges::binary_search(scope.free_principal_points, camera);
-        const std::vector<int> held =
-            held_intrinsics(model.cameras().at(camera).model, intrinsics.free_principal_point);
+        const std::vector<int> held = held_intrinsics(model, scope, camera);
         for (int slot = 0; slot < kIntrinsicsSize; ++slot) {
             if (!std::ranges::binary_search(held, slot)) intrinsics.slots.push_back(slot);
         }

@@ -33,9 +33,9 @@ std::vector<CameraId> candidates(const WorkingModel& model, std::uint32_t min_im
     return cameras;
 }
 
-/// Whether the focal length is another one with the second coefficient.
-bool has_moved(const Camera& with, const Camera& without, double max_change) {
-    return std::abs(with.mean_focal() / without.mean_focal() - 1.0) > max_change;
+/// Part by which the focal length is another one.
+double focal_change(const Camera& with, const Camera& without) {
+    return std::abs(with.mean_focal() / without.mean_focal() - 1.0);
 }
 
 ModelPtr finished(WorkingModel model, const AdjustmentScope& scope,
@@ -47,15 +47,50 @@ ModelPtr finished(WorkingModel model, const AdjustmentScope& scope,
     return std::make_shared<const Reconstruction>(model.save());
 }
 
-/// Adjusts, and says what error is left [px]; nothing where there is no solution.
-/// @errors kCancelled
-Result<std::optional<double>> rms_adjusted(WorkingModel& model, const AdjustmentScope& scope,
-                                           const AdjustmentOptions& adjustment,
-                                           const std::atomic<bool>* cancel) {
-    const auto report = adjust(model, scope, adjustment, cancel);
-    if (report.ok()) return std::optional(report->rms_after_px);
-    if (report.error().code == ErrorCode::kCancelled) return report.error();
-    return std::optional<double>();
+/// A model adjusted, and the error that is left [px].
+struct LensTrial {
+    WorkingModel model;
+    double rms_px = 0.0;
+};
+
+/// What is asked of one model: the same points, adjusted with one question after the other.
+struct LensQuestion {
+    AdjustmentScope scope;
+    AdjustmentOptions options;
+    const std::atomic<bool>* cancel;
+
+    /// @return nothing where there is no solution @errors kCancelled
+    Result<std::optional<LensTrial>> adjusted(WorkingModel model) const {
+        const auto report = adjust(model, scope, options, cancel);
+        if (report.ok()) return std::optional(LensTrial{std::move(model), report->rms_after_px});
+        if (report.error().code == ErrorCode::kCancelled) return report.error();
+        return std::optional<LensTrial>();
+    }
+};
+
+/// The model with a second coefficient for some cameras, adjusted.
+Result<std::optional<LensTrial>> extended(const LensQuestion& question, WorkingModel model,
+                                          const std::vector<CameraId>& cameras) {
+    for (const CameraId camera : cameras) model.mutable_camera(camera).model = CameraModel::kRadial;
+    return question.adjusted(std::move(model));
+}
+
+/// Whether the scene determines the focal lengths that have moved: the error grows with them held
+/// where they were, by min_focal_curvature times the square of the change at least.
+Result<bool> are_determined(LensQuestion question, const WorkingModel& without,
+                            const LensTrial& with, const std::vector<CameraId>& cameras,
+                            const std::vector<CameraId>& moved, const LensOptions& lenses) {
+    if (moved.empty()) return true;
+    question.scope.held_focal_lengths = moved;
+    const auto held = extended(question, without, cameras);
+    if (!held.ok()) return held.error();
+    if (!*held) return false;
+    double change = 0.0;
+    for (const CameraId camera : moved) {
+        change = std::max(
+            change, focal_change(with.model.cameras().at(camera), without.cameras().at(camera)));
+    }
+    return (*held)->rms_px / with.rms_px - 1.0 >= lenses.min_focal_curvature * change * change;
 }
 
 }  // namespace
@@ -80,22 +115,26 @@ Result<ModelPtr> judge_lenses(const ModelPtr& model, const ClusterProblem& probl
         scope.free_principal_points =
             cameras_with_images(alone.model, settling.images_for_principal_point);
     }
-    WorkingModel without = alone.model;
-    const auto rms_without = rms_adjusted(without, scope, adjustment, cancel);
-    if (!rms_without.ok()) return rms_without.error();
-    if (!*rms_without) return ModelPtr();
+    const LensQuestion question{scope, adjustment, cancel};
+    const auto adjusted = question.adjusted(alone.model);
+    if (!adjusted.ok()) return adjusted.error();
+    if (!*adjusted) return ModelPtr();
+    const LensTrial& without = **adjusted;
     while (!cameras.empty()) {
-        WorkingModel with = without;
-        for (const CameraId camera : cameras)
-            with.mutable_camera(camera).model = CameraModel::kRadial;
-        const auto rms_with = rms_adjusted(with, scope, adjustment, cancel);
-        if (!rms_with.ok()) return rms_with.error();
-        if (!*rms_with || **rms_with > (1.0 - lenses.min_gain) * **rms_without) break;
-        const auto moved = std::erase_if(cameras, [&](CameraId camera) {
-            return has_moved(with.cameras().at(camera), without.cameras().at(camera),
-                             lenses.max_focal_change);
+        auto with = extended(question, without.model, cameras);
+        if (!with.ok()) return with.error();
+        if (!*with || (*with)->rms_px > (1.0 - lenses.min_gain) * without.rms_px) break;
+        std::vector<CameraId> moved = cameras;
+        std::erase_if(moved, [&](CameraId camera) {
+            return focal_change((*with)->model.cameras().at(camera),
+                                without.model.cameras().at(camera)) <= lenses.max_focal_change;
         });
-        if (moved == 0) return finished(std::move(with), scope, adjustment);
+        const auto is_right =
+            are_determined(question, without.model, **with, cameras, moved, lenses);
+        if (!is_right.ok()) return is_right.error();
+        if (*is_right) return finished(std::move((*with)->model), scope, adjustment);
+        std::erase_if(cameras,
+                      [&](CameraId camera) { return std::ranges::binary_search(moved, camera); });
     }
     return ModelPtr();
 }

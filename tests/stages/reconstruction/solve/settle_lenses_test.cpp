@@ -85,10 +85,15 @@ TEST(SettleLenses, NorDoesOneOfFewImagesOrAGivenOne) {
     EXPECT_EQ(settled(scene, {}, FocalSource::kGiven).camera.model, CameraModel::kSimpleRadial);
 }
 
-TEST(SettleLenses, NorDoesOneWhoseFocalLengthItWouldChange) {
+TEST(SettleLenses, AFocalLengthMayChangeWhereTheSceneDeterminesIt) {
     const SyntheticScene scene = ring_seen_through(0.15, -0.3);
-    EXPECT_EQ(settled(scene, {}).camera.model, CameraModel::kSimpleRadial);
-    EXPECT_EQ(settled(scene, {.max_focal_change = 0.1}).camera.model, CameraModel::kRadial);
+    const Settled right = settled(scene, {});
+    EXPECT_EQ(right.camera.model, CameraModel::kRadial);
+    EXPECT_NEAR(right.camera.fx(), scene.cameras.begin()->second.fx(), 2.0);
+    const Settled careful = settled(scene, {.min_focal_curvature = 1e3});
+    EXPECT_EQ(careful.camera.model, CameraModel::kSimpleRadial);
+    EXPECT_EQ(settled(scene, {.max_focal_change = 0.1, .min_focal_curvature = 1e3}).camera.model,
+              CameraModel::kRadial);
 }
 
 }  // namespace
