@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdarg>
 
+#include "storage/database/table_structure.h"
 #include "storage/records/record_key.h"
 
 namespace psfm {
@@ -37,6 +38,7 @@ rocksdb::ColumnFamilyOptions family_options(Family family,
     rocksdb::BlockBasedTableOptions table;
     table.block_cache = cache;
     table.cache_index_and_filter_blocks = true;
+    table.format_version = kTableFormatVersion;
     table.checksum = rocksdb::kXXH3;
     // Scene versions resemble each other, so large blocks of them compress well.
     table.block_size = family == Family::kScenes ? std::size_t{64} << 10U : std::size_t{16} << 10U;

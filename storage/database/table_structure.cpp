@@ -17,15 +17,14 @@
 namespace psfm {
 namespace {
 
-// Format: RocksDB's block-based tables, version 5. The footer: type of the checksums (1 byte),
-// handles of the list of meta blocks and of the index, padded to 40 bytes, version (4), magic
-// number (8). A handle is offset and size, varints; behind each block are its compression (1) and
-// checksum (4).
+// Format: RocksDB's block-based tables, version kTableFormatVersion. The footer: type of the
+// checksums (1 byte), handles of the list of meta blocks and of the index, padded to 40 bytes,
+// version (4), magic number (8). A handle is offset and size, varints; behind each block are its
+// compression (1) and checksum (4).
 constexpr std::size_t kFooterSize = 53;
 constexpr std::size_t kFormatAt = 41;
 constexpr std::size_t kMagicAt = 45;
 constexpr std::uint64_t kMagic = 0x88e241b785f4cff7;
-constexpr std::uint64_t kFormat = 5;
 constexpr char kXxh3 = 4;
 constexpr std::size_t kTrailerSize = 5;
 /// Guard: a block of properties takes some kilobytes.
@@ -75,7 +74,7 @@ std::optional<BlockHandle> list_of_meta_blocks(std::ifstream& file, std::uint64_
     if (file_size < kFooterSize) return std::nullopt;
     const auto footer = read_at(file, file_size - kFooterSize, kFooterSize);
     if (!footer || table_number_at(*footer, kMagicAt, 8) != kMagic ||
-        table_number_at(*footer, kFormatAt, 4) != kFormat || footer->front() != kXxh3)
+        table_number_at(*footer, kFormatAt, 4) != kTableFormatVersion || footer->front() != kXxh3)
         return std::nullopt;
     std::string_view handles = std::string_view(*footer).substr(1);
     return take_handle(handles);

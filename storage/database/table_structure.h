@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -10,6 +11,10 @@
 // Internal: damage in RocksDB's tables that it does not find before it trips over it.
 
 namespace psfm {
+
+/// Format: of RocksDB's block-based tables, the version that psfm writes with every library:
+/// RocksDB 9 would write version 6, which neither RocksDB 7.8 nor the check below can read.
+inline constexpr std::uint32_t kTableFormatVersion = 5;
 
 /// Whether the properties of a table are not what their checksum says. RocksDB (7.8) takes this
 /// block, and no other, apart before it compares the checksum, and dies of an assertion at some of

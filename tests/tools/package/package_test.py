@@ -9,6 +9,7 @@ usage: package_test.py BUILD RELEASE [--dev]     (RELEASE: 12 or 13; --dev: libp
 The release that the test runs on is built for here, others in a root of theirs; what was compiled and downloaded stays
 in build/package. Exit code 77: mmdebstrap or Debian's archive is not there.
 """
+import json
 import os
 import shutil
 import subprocess
@@ -34,6 +35,9 @@ psfm export --session session --format dataset --output train --reduced 2
 psfm export --session session --format gltf --output gltf
 psfm localise --session session photographs/*0.jpg --json > localised.json
 psfm check --session session
+psfm check --session brought
+psfm run photographs --session brought --threads 2
+psfm check --session brought
 psfm view --session session --output model.html
 psfm report --session session --output report.html
 gzip -dc /usr/share/man/man1/psfm-export.1.gz > manual.txt
@@ -73,7 +77,7 @@ class Release:
         self.packages = self.kept / f"debian{number}"
 
     def in_root(self, script, hooks_in, hooks_out, include=()):
-        """Runs a script in a new root of the release, with files taken in before and out after it."""
+        """Runs a script in a new root of the release, with files taken in before and out after it, even if it fails."""
         archives = self.kept / f"archives{self.number}"
         archives.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
@@ -87,9 +91,10 @@ class Release:
                      *[f"--customize-hook={hook}" for hook in hooks_in],
                      f"--customize-hook=upload {file.name} /root/script.sh",
                      '--customize-hook=chroot "$1" env HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive bash '
-                     '/root/script.sh',
+                     '/root/script.sh || touch "$1/root/failed"',
                      *[f"--customize-hook={hook}" for hook in hooks_out],
                      f"--customize-hook=sync-out /var/cache/apt/archives {archives}",
+                     '--customize-hook=test ! -e "$1/root/failed"',
                      '--customize-hook=rm -f "$1"/var/cache/apt/archives/*.deb']
             if include:
                 words.append("--include=" + ",".join(include))
@@ -103,6 +108,8 @@ class Release:
         ccache = self.kept / f"ccache{self.number}"
         ccache.mkdir(parents=True, exist_ok=True)
         self.packages.mkdir(parents=True, exist_ok=True)
+        fetched = ROOT / "build/npm"  # three.js, so that the root need not reach npm's registry
+        fetched.mkdir(parents=True, exist_ok=True)
         commit_time = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%ct"], capture_output=True, text=True,
                                      check=False).stdout.strip() or "0"
         with tempfile.NamedTemporaryFile(suffix=".tar") as sources:
@@ -114,7 +121,8 @@ class Release:
 export CCACHE_DIR=/ccache CCACHE_BASEDIR=/source CCACHE_NOHASHDIR=1 SOURCE_DATE_EPOCH={commit_time}
 export PSFM_JOBS={jobs or '$(nproc)'}
 cd /source && tools/package/make-packages /packages
-""", ['mkdir "$1/source" "$1/packages" "$1/ccache"', f"tar-in {sources.name} /source", f"sync-in {ccache} /ccache"],
+""", ['mkdir -p "$1/source/build/npm" "$1/packages" "$1/ccache"', f"tar-in {sources.name} /source",
+      f"sync-in {fetched} /source/build/npm", f"sync-in {ccache} /ccache"],
                          [f"sync-out /ccache {ccache}", f"sync-out /packages {self.packages}"],
                          packages.stdout.split() + ["git", "ca-certificates"])
 
@@ -124,11 +132,24 @@ cd /source && tools/package/make-packages /packages
         return found[-1]
 
 
-def use(release, photographs, folder):
-    release.in_root(USE, [f"copy-in {release.package('psfm')} {photographs} /root"],
+def use(release, psfm, photographs, folder):
+    # Sessions move between releases: one of five photographs is gone on with there, and those made there open here.
+    names = sorted(path.name for path in photographs.iterdir())
+    brought, some = photographs.parent / "brought", photographs.parent / "some"
+    some.mkdir()
+    for name in names[:5]:
+        shutil.copy(photographs / name, some)
+    run(psfm, "run", some, "--session", brought, "--threads", "2")
+    release.in_root(USE, [f"copy-in {release.package('psfm')} {photographs} {brought} /root"],
                     ["sync-out /root " + str(folder)])
-    names = sorted(path.name for path in (folder / "train/0/images").iterdir())
-    assert len(names) == len(list(photographs.iterdir())), names
+    for session in ("session", "brought"):
+        run(psfm, "check", "--session", folder / session)
+        run(psfm, "run", photographs, "--session", folder / session, "--threads", "2")
+        status = json.loads(subprocess.run([psfm, "status", "--session", folder / session, "--json"], check=True,
+                                           capture_output=True, text=True).stdout)
+        states = [image["state"] for image in status["image_list"]]
+        assert states == ["placed"] * len(names), states
+    assert sorted(path.name for path in (folder / "train/0/images").iterdir()) == names
     assert (folder / "train/0/sparse/0/points3D.bin").stat().st_size > 10_000
     assert (folder / "train/0/images_2" / names[0]).exists()
     assert '"localised": true' in (folder / "localised.json").read_text()
@@ -160,7 +181,7 @@ def main():
             "640", "--height", "480", stdout=subprocess.DEVNULL)
         photographs = (folder / "scene/images").rename(folder / "photographs")
         (folder / "used").mkdir()
-        use(release, photographs, folder / "used")
+        use(release, build / "psfm", photographs, folder / "used")
         if "--dev" in sys.argv:
             release.in_root(LINK, [f"copy-in {release.package('libpsfm-dev')} {ROOT / 'tests/consumer'} /root"], [])
     print(f"{release.package('psfm').name}: installed, used and removed on a clean Debian {number}")
