@@ -5,12 +5,14 @@
 #include <CLI/Formatter.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "stages/features/cameras/assign_camera.h"
 #include "stages/features/photographs/masks_beside_photos.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
+#include "tools/commands/exchange/export_dataset.h"
 #include "tools/commands/exchange/given_cameras.h"
 #include "tools/commands/session_options.h"
 
@@ -24,6 +26,7 @@ struct RunArguments {
     std::string sharing = "auto";
     std::string vocabulary;
     std::string masks;
+    std::string dataset;  ///< folder; empty: none is written
     bool watch = false;
 };
 
@@ -67,8 +70,12 @@ int run(const CLI::App& command, const RunArguments& arguments) {
         const auto masks = match_masks(arguments.masks, {});
         if (!masks.ok()) return report_error(masks.error(), ErrorOrigin::kOtherInput);
     }
-    return start_session(command, arguments.session, arguments.photos, *std::move(config),
-                         arguments.watch);
+    const int code = start_session(command, arguments.session, arguments.photos, *std::move(config),
+                                   arguments.watch);
+    if (code != 0 || arguments.dataset.empty()) return code;
+    DatasetArguments dataset;
+    dataset.threads = arguments.session.threads;
+    return export_dataset(arguments.session.session, arguments.dataset, std::nullopt, dataset);
 }
 
 }  // namespace
@@ -97,6 +104,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
     command->add_option("--vocabulary", arguments->vocabulary,
                         "Vocabulary made by `psfm vocabulary train`; without one it is trained "
                         "from the session's own images above 100");
+    command
+        ->add_option("--dataset", arguments->dataset,
+                     "In the end, also write the data set for Gaussian splatting there (as `psfm "
+                     "export --format dataset`)")
+        ->type_name("DIR");
     command->add_flag(
         "--watch", arguments->watch,
         "Keep waiting for more photographs to be copied into the folder, until Ctrl-C");
@@ -104,6 +116,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
         "Examples:\n"
         "  psfm run photos --session castle\n"
         "  psfm run photos --session castle --cameras calibration --fix-intrinsics\n"
+        "  psfm run photos --session castle --dataset train\n"
         "  psfm run incoming --session live --watch --log live.jsonl\n"
         "A session can be continued with more photographs by the same command; those it has are "
         "skipped.\n"

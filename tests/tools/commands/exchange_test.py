@@ -149,6 +149,18 @@ class Exchange(unittest.TestCase):
                   self.folder / "data")
         self.assertEqual(len(list((self.folder / "data/0/images").iterdir())), IMAGES // 2)
 
+    def test_photographs_become_a_data_set_by_one_command(self):
+        photos = self.photos(self.folder / "photos", self.names[:8])
+        said = self.ends(0, "run", photos, "--session", self.session, "--dataset", self.folder / "train")
+        self.assertIn("train/0", said)
+        pictures = sorted(path.name for path in (self.folder / "train/0/images").iterdir())
+        self.assertEqual(pictures, self.names[:8])
+        self.assertEqual(sorted(names_in(self.folder / "train/0/sparse/0").values()), pictures)
+        # None where there is nothing to write.
+        few = self.photos(self.folder / "few", self.names[:2])
+        self.ends(BAD_INPUT, "run", few, "--session", self.folder / "other", "--dataset", self.folder / "none")
+        self.assertFalse((self.folder / "none").exists())
+
     def localised(self, session, *photos):
         said = self.ends(0, "localise", "--session", session, *photos, "--json")
         return json.loads(said[said.index("{"):])["photos"]

@@ -30,7 +30,7 @@ cd /root
 apt-get install --yes ./psfm_*.deb
 psfm --version
 psfm doctor --folder /root
-psfm run photographs --session session --threads 2
+psfm run photographs --session session --threads 2 --dataset one_command
 psfm export --session session --format dataset --output train --reduced 2
 psfm export --session session --format gltf --output gltf
 psfm localise --session session photographs/*0.jpg --json > localised.json
@@ -149,7 +149,8 @@ def use(release, psfm, photographs, folder):
                                            capture_output=True, text=True).stdout)
         states = [image["state"] for image in status["image_list"]]
         assert states == ["placed"] * len(names), states
-    assert sorted(path.name for path in (folder / "train/0/images").iterdir()) == names
+    for dataset in ("one_command", "train"):
+        assert sorted(path.name for path in (folder / dataset / "0/images").iterdir()) == names
     assert (folder / "train/0/sparse/0/points3D.bin").stat().st_size > 10_000
     assert (folder / "train/0/images_2" / names[0]).exists()
     assert '"localised": true' in (folder / "localised.json").read_text()
