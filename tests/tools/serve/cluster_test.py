@@ -192,7 +192,7 @@ class Cluster:
             "photographs": total, "seconds": round(seconds, 1), "placed": status["placed"], "refusals": self.refusals,
             "server_processor_seconds": round(self.processor, 1), "status_requests": len(took),
             "status_seconds": {"median": part(took, 0.5), "p99": part(took, 0.99)},
-            "told_after_seconds": {"median": part(late, 0.5), "p95": part(late, 0.95)},
+            "versions_after_seconds": {"median": part(late, 0.5), "p95": part(late, 0.95)},
             "watchers": len(watchers), "points": watchers[0]["points"], "changes": watchers[0]["changes"],
             "snapshots": watchers[0]["scenes"], "watcher_bytes": watchers[0]["bytes"], "gltf_bytes": gltf,
             "load": os.getloadavg()[0]}, indent=1))

@@ -130,7 +130,9 @@ class Connection {
 
 class Watcher {
   public:
-    Watcher(std::uint16_t port, std::string token) : port_(port), token_(std::move(token)) {}
+    /// @param decodes  follows the model, too, and not what it is told alone
+    Watcher(std::uint16_t port, std::string token, bool decodes)
+        : port_(port), token_(std::move(token)), decodes_(decodes) {}
 
     void run() {
         while (!over) {
@@ -141,6 +143,7 @@ class Watcher {
                 std::this_thread::sleep_for(std::chrono::milliseconds(200));
             }
         }
+        if (!decodes_) return;
         // What it has made of changes, against all of it at once.
         try {
             Connection connection(port_, token_);
@@ -169,7 +172,7 @@ class Watcher {
                     last_id_.empty() ? "" : "Last-Event-ID: " + last_id_ + "\r\n");
         std::size_t none = 0;
         if (events.head(none) != 200) throw std::runtime_error("no events");
-        if (model_.number == 0) catch_up(data);
+        if (decodes_ && model_.number == 0) catch_up(data);
         while (!over) {
             std::size_t end = 0;
             while ((end = events.buffer.find("\n\n")) != std::string::npos) {
@@ -194,7 +197,7 @@ class Watcher {
             const json version = json::parse(value("data"));
             versions.emplace_back(now(), version["version"].get<std::uint64_t>());
         }
-        if (kind == "version" || kind == "reset") catch_up(data);
+        if (decodes_ && (kind == "version" || kind == "reset")) catch_up(data);
         last_id_ = value("id");
     }
     void catch_up(Connection& data) {
@@ -250,6 +253,7 @@ class Watcher {
 
     std::uint16_t port_;
     std::string token_, last_id_;
+    bool decodes_;
     DecodedModel model_;
 };
 
@@ -257,9 +261,12 @@ int watch(std::uint16_t port, std::size_t count, const std::string& token) {
     std::vector<std::unique_ptr<Watcher>> watchers;
     std::vector<std::thread> threads;
     for (std::size_t i = 0; i < count; ++i) {
-        watchers.push_back(std::make_unique<Watcher>(port, token));
+        watchers.push_back(std::make_unique<Watcher>(port, token, true));
         threads.emplace_back([watcher = watchers.back().get()] { watcher->run(); });
     }
+    // A browser decodes beside its event stream: when it is told does not wait for that.
+    Watcher listener(port, token, false);
+    threads.emplace_back([&listener] { listener.run(); });
     while (std::cin.get() != std::char_traits<char>::eof()) {
     }
     over = true;
@@ -273,7 +280,7 @@ int watch(std::uint16_t port, std::size_t count, const std::string& token) {
                        {"points", one->points},
                        {"difference", one->difference}});
     }
-    std::cout << json{{"watchers", all}, {"versions", watchers.front()->versions}} << '\n';
+    std::cout << json{{"watchers", all}, {"versions", listener.versions}} << '\n';
     return 0;
 }
 
