@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "stages/algorithms/adjustment/reprojection_cost.h"
 
@@ -142,6 +143,33 @@ int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& ga
     return coordinate;
 }
 
+namespace {
+
+/// The camera with its intrinsics of the parameters; nothing where it takes no part with a block
+/// of its own.
+std::optional<Camera> refined_camera(const AdjustmentParameters& parameters,
+                                     const WorkingModel& model, CameraId camera) {
+    const auto at = parameters.camera_at.find(camera);
+    if (at == parameters.camera_at.end() || parameters.owner_of(camera) != camera)
+        return std::nullopt;
+    Camera refined = model.cameras().at(camera);
+    std::copy_n(parameters.values.begin() + static_cast<std::ptrdiff_t>(at->second),
+                kIntrinsicsSize, refined.params.begin());
+    return refined;
+}
+
+}  // namespace
+
+std::vector<CameraId> senseless_cameras(const AdjustmentParameters& parameters,
+                                        const AdjustmentScope& scope, const WorkingModel& model) {
+    std::vector<CameraId> senseless;
+    for (const CameraId camera : scope.free_cameras) {
+        const auto refined = refined_camera(parameters, model, parameters.owner_of(camera));
+        if (refined && !validate(*refined).ok()) senseless.push_back(camera);
+    }
+    return senseless;
+}
+
 void write_back(const AdjustmentParameters& parameters, const AdjustmentSelection& selection,
                 const AdjustmentScope& scope, WorkingModel& model) {
     for (const std::uint32_t image : scope.free_images) {
@@ -155,15 +183,11 @@ void write_back(const AdjustmentParameters& parameters, const AdjustmentSelectio
         model.set_position(point, Eigen::Map<const Eigen::Vector3d>(&parameters.values[at]));
     }
     for (const CameraId camera : scope.free_cameras) {
-        const auto at = parameters.camera_at.find(camera);
-        if (at == parameters.camera_at.end() || parameters.owner_of(camera) != camera) continue;
-        Camera refined = model.cameras().at(camera);
-        std::copy_n(parameters.values.begin() + static_cast<std::ptrdiff_t>(at->second),
-                    kIntrinsicsSize, refined.params.begin());
-        if (!validate(refined).ok()) continue;  // Expected: what makes no sense is left out
-        if (refined.focal_source != FocalSource::kGiven)
-            refined.focal_source = FocalSource::kEstimated;
-        model.mutable_camera(camera) = refined;
+        auto refined = refined_camera(parameters, model, camera);
+        if (!refined) continue;
+        if (refined->focal_source != FocalSource::kGiven)
+            refined->focal_source = FocalSource::kEstimated;
+        model.mutable_camera(camera) = *refined;
         model.share_lens(camera);
     }
 }

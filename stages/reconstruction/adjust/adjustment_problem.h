@@ -64,7 +64,12 @@ int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& ga
 std::vector<int> held_intrinsics(const WorkingModel& model, const AdjustmentScope& scope,
                                  CameraId camera);
 
-/// Takes the free ones of the parameters over; intrinsics that make no sense are left out.
+/// Free cameras whose intrinsics make no sense now (validate), and those that share them,
+/// ascending.
+std::vector<CameraId> senseless_cameras(const AdjustmentParameters& parameters,
+                                        const AdjustmentScope& scope, const WorkingModel& model);
+
+/// Takes the free ones of the parameters over.
 void write_back(const AdjustmentParameters& parameters, const AdjustmentSelection& selection,
                 const AdjustmentScope& scope, WorkingModel& model);
 

@@ -127,6 +127,13 @@ Result<AdjustmentReport> adjust(WorkingModel& model, const AdjustmentScope& scop
         reduce ? adjust_reduced(model, selection, columns, pattern, options, parameters, cancel)
                : adjust_with_ceres(model, scope, selection, options, parameters);
     if (!costs.ok()) return costs.error();
+    if (const auto senseless = senseless_cameras(parameters, scope, model); !senseless.empty()) {
+        AdjustmentScope rest = scope;
+        std::erase_if(rest.free_cameras, [&](CameraId camera) {
+            return std::ranges::binary_search(senseless, camera);
+        });
+        return adjust(model, rest, options, cancel);
+    }
     write_back(parameters, selection, scope, model);
     AdjustmentReport report;
     report.residuals = selection.residuals.size();

@@ -72,7 +72,9 @@ struct AdjustmentReport {
 
 /// Bundle adjustment, on the reduced camera system with TBB or, for very many images, with Ceres on
 /// one thread: bitwise repeatable for equal models, on any number of threads (Ceres's parameter
-/// blocks all lie in one array, see docs/parts.md).
+/// blocks all lie in one array, see docs/parts.md). Cameras whose intrinsics would end where they
+/// make no sense (over flat land nothing holds a focal length) keep those that they had, and the
+/// rest is adjusted with them.
 /// @param cancel  when it becomes true the adjustment ends after the step under way, and the model
 /// stays as it was; Ceres goes on to its end. May be null
 /// @errors kDegenerate (nothing to adjust, or the solver found no usable step), kCancelled
