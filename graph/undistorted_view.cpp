@@ -183,6 +183,13 @@ Result<UndistortedView> make_undistorted_view(const Camera& photo, std::uint8_t 
     const double width = (window->right - window->left) * photo.fx();
     const double height = (window->bottom - window->top) * photo.fy();
     if (options.max_size > 0) scale = std::min(1.0, options.max_size / std::max(width, height));
+    if (options.multiple > scale * std::min(width, height)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "a picture would have " + std::to_string(std::lround(scale * width)) + "x" +
+                         std::to_string(std::lround(scale * height)) +
+                         " pixels, and its sides are to be multiples of " +
+                         std::to_string(options.multiple) + ": ask for smaller reductions"};
+    }
     Camera stored;  // before the turn
     stored.model = CameraModel::kPinhole;
     stored.width = whole_pixels(scale * width, options.multiple);

@@ -3,18 +3,15 @@
 #include "scheduler/front_end/begin_from_model.h"
 
 #include <tbb/parallel_for.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
 
+#include "scheduler/front_end/foreign_features.h"
 #include "scheduler/session/encode_state.h"
 #include "stages/clustering/batch_clusters.h"
-#include "stages/features/adopt_features.h"
-#include "stages/features/colour_features.h"
-#include "stages/features/run_features.h"
 #include "stages/verification/run_verification.h"
 
 namespace psfm {
@@ -22,10 +19,6 @@ namespace {
 
 /// Guard: photographs whose features are in memory at a time.
 constexpr std::size_t kBatch = 16;
-
-Error about(const std::string& name, const std::string& what) {
-    return {ErrorCode::kInvalidArgument, name + ": " + what};
-}
 
 /// Cameras that images have, ascending: a model may list others.
 std::vector<std::uint32_t> used_cameras(const ExportedModel& model) {
@@ -49,87 +42,6 @@ class Numbers {
     std::map<std::uint32_t, std::uint32_t> image_;
     std::map<std::uint32_t, std::uint32_t> camera_;
 };
-
-Keypoints places_of(const ExportedImage& image) {
-    Keypoints places;
-    places.reserve(image.keypoints.size());
-    for (const ExportedKeypoint& keypoint : image.keypoints) {
-        Keypoint place;
-        place.x = static_cast<float>(keypoint.x);
-        place.y = static_cast<float>(keypoint.y);
-        place.scale = 1.F;
-        places.push_back(place);
-    }
-    return places;
-}
-
-std::uint64_t hash_of(const std::string& name, const Keypoints& keypoints) {
-    const std::uint64_t features =
-        XXH64(keypoints.data(), keypoints.size() * sizeof(Keypoint), /*seed=*/0);
-    return XXH64(name.data(), name.size(), features);
-}
-
-/// The database's features, which have to be those of the model.
-Result<ExtractedPhoto> from_database(const ExportedImage& image, const ColmapDatabase& database,
-                                     std::uint32_t database_id) {
-    auto keypoints = database.keypoints(database_id);
-    if (!keypoints.ok()) return keypoints.error();
-    auto descriptors = database.descriptors(database_id);
-    if (!descriptors.ok()) return descriptors.error();
-    constexpr double kRounding = 0.01;  // Guard: [px], of programs that write text
-    bool same = keypoints->size() == image.keypoints.size();
-    for (std::size_t k = 0; same && k < keypoints->size(); ++k) {
-        const Eigen::Vector2d place(image.keypoints[k].x, image.keypoints[k].y);
-        same = ((*keypoints)[k].position() - place).norm() < kRounding;
-    }
-    if (!same && !image.keypoints.empty()) {
-        return about(image.name,
-                     "its features in the database are not those of the model: give the database "
-                     "that the model was made from, or leave it out");
-    }
-    ExtractedPhoto features;
-    features.keypoints = *std::move(keypoints);
-    features.descriptors = *std::move(descriptors);
-    return features;
-}
-
-struct ImageSource {
-    const ExportedImage* image = nullptr;
-    const Camera* camera = nullptr;
-    std::optional<std::uint32_t> database_id;
-};
-
-Result<ExtractedPhoto> features_of(const ImageSource& source, const ForeignModel& foreign,
-                                   const FeatureOptions& options) {
-    const ExportedImage& image = *source.image;
-    const PhotoFile photo{foreign.photo_folder / image.name, image.name};
-    const bool has_photo =
-        !foreign.photo_folder.empty() && std::filesystem::is_regular_file(photo.path);
-    ExtractedPhoto features;
-    if (source.database_id) {
-        auto read = from_database(image, *foreign.database, *source.database_id);
-        if (!read.ok()) return read.error();
-        features = *std::move(read);
-    } else {
-        features.keypoints = places_of(image);
-    }
-    features.metadata.width = source.camera->width;
-    features.metadata.height = source.camera->height;
-    features.metadata.content_hash = hash_of(image.name, features.keypoints);
-    if (!has_photo) return features;
-    if (!features.descriptors.values.empty()) {
-        if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
-        return features;
-    }
-    auto found = run_features(photo, options);
-    if (!found.ok()) return found.error();
-    if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
-    AdoptedFeatures adopted =
-        adopt_features(features.keypoints, found->keypoints, found->descriptors);
-    features.keypoints = std::move(adopted.keypoints);
-    features.descriptors = std::move(adopted.descriptors);
-    return features;
-}
 
 /// The model as a solution of one cluster.
 Result<std::shared_ptr<const Reconstruction>> reconstruction_of(const ExportedModel& model,
@@ -160,6 +72,12 @@ Result<std::shared_ptr<const Reconstruction>> reconstruction_of(const ExportedMo
     }
     result->points = std::move(points);
     return std::shared_ptr<const Reconstruction>(std::move(result));
+}
+
+std::size_t observations_in(const auto& points) {
+    std::size_t count = 0;
+    for (const auto& point : points) count += point.track.size();
+    return count;
 }
 
 /// Matches of each image with earlier ones: of the database, or of the points that both see.
@@ -194,6 +112,8 @@ class Import {
         auto model = reconstruction_of(foreign_.model, numbers_);
         if (!model.ok()) return model.error();
         begun_.points = (*model)->points.size();
+        begun_.repeated_observations =
+            observations_in(foreign_.model.points) - observations_in((*model)->points);
         if (auto done = take_pairs(**model); !done.ok()) return done.error();
         if (auto done = take_model(*model); !done.ok()) return done.error();
         return begun_;
@@ -226,8 +146,8 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
     }
     for (std::size_t first = 0; first < model.images.size(); first += kBatch) {
         const std::size_t count = std::min(kBatch, model.images.size() - first);
-        std::vector<Result<ExtractedPhoto>> extracted(count, Error{});
-        std::vector<ImageSource> sources(count);
+        std::vector<Result<ForeignFeatures>> extracted(count, Error{});
+        std::vector<ForeignImage> sources(count);
         for (std::size_t k = 0; k < count; ++k) {
             const ExportedImage& image = model.images[first + k];
             sources[k] = {&image, &model.find_camera(image.camera_id)->camera, std::nullopt};
@@ -235,12 +155,13 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
             if (known != database_ids.end()) sources[k].database_id = known->second;
         }
         tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-            extracted[k] = features_of(sources[k], foreign_, options_.features);
+            extracted[k] = foreign_features(sources[k], foreign_, options_.features);
         });
         for (std::size_t k = 0; k < count; ++k) {
             if (!extracted[k]) return extracted[k].error();
-            ExtractedPhoto& photo = *extracted[k];
+            ExtractedPhoto& photo = extracted[k]->photo;
             const ExportedImage& from = *sources[k].image;
+            if (extracted[k]->is_unlike) begun_.unlike.push_back(from.name);
             Image image;
             image.id = ImageId{static_cast<std::uint32_t>(first + k)};
             image.camera = numbers_.camera(from.camera_id);

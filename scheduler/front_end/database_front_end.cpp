@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <tbb/parallel_for.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <map>
 #include <mutex>
 
+#include "scheduler/front_end/foreign_features.h"
 #include "scheduler/front_end/front_end.h"
 #include "stages/features/colour_features.h"
 #include "stages/verification/run_verification.h"
@@ -15,13 +15,6 @@
 
 namespace psfm {
 namespace {
-
-/// Distinct for distinct images, even if their features are equal.
-std::uint64_t content_hash(const std::string& name, const Keypoints& keypoints) {
-    const std::uint64_t features =
-        XXH64(keypoints.data(), keypoints.size() * sizeof(Keypoint), /*seed=*/0);
-    return XXH64(name.data(), name.size(), features);
-}
 
 class DatabaseFrontEnd final : public FrontEnd {
   public:
@@ -54,7 +47,7 @@ class DatabaseFrontEnd final : public FrontEnd {
         ExtractedPhoto extracted;
         extracted.metadata.width = camera.width;
         extracted.metadata.height = camera.height;
-        extracted.metadata.content_hash = content_hash(photo.name, *keypoints);
+        extracted.metadata.content_hash = hash_without_photograph(photo.name, *keypoints);
         extracted.keypoints = *std::move(keypoints);
         extracted.descriptors = *std::move(descriptors);
         const PhotoFile file{photo_folder_ / photo.name, photo.name};

@@ -50,7 +50,7 @@ struct PictureFiles {
 /// Makes the picture of a photograph. Where the two are the same pixels and the file can stay as it
 /// is (same format, nothing about it says to turn it), the picture is the file.
 /// @param orientation  the photograph's EXIF orientation
-/// @param content_hash  of the photograph that the view was estimated from
+/// @param content_hash  of the photograph that the view was estimated from; 0: not known
 /// @errors kNotFound: no such file; kInvalidArgument: its content is another one; as read_photo()
 ///         and read_mask() else. One line that names the photograph and the remedy. No exception
 ///         leaves this function.

@@ -123,6 +123,14 @@ TEST(UndistortedView, WithoutDistortionNothingIsLostOrMoved) {
     EXPECT_FALSE(is_identity(*make_undistorted_view(camera, 0, {})));
 }
 
+TEST(UndistortedView, SidesAreNoMultiplesOfMoreThanThereIs) {
+    UndistortedViewOptions options;
+    options.multiple = 4032;
+    const auto view = make_undistorted_view(camera_of(CameraModel::kSimpleRadial), 0, options);
+    ASSERT_FALSE(view);
+    EXPECT_NE(view.error().message.find("multiples of 4032"), std::string::npos);
+}
+
 TEST(UndistortedView, BlankPixelsKeepAllOfThePhotograph) {
     const Camera camera = camera_of(CameraModel::kSimpleRadial);
     UndistortedViewOptions options;

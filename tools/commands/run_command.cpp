@@ -26,7 +26,8 @@ struct RunArguments {
     std::string sharing = "auto";
     std::string vocabulary;
     std::string masks;
-    std::string dataset;  ///< folder; empty: none is written
+    std::string dataset_folder;  ///< empty: none is written
+    DatasetArguments dataset;
     bool watch = false;
 };
 
@@ -70,12 +71,21 @@ int run(const CLI::App& command, const RunArguments& arguments) {
         const auto masks = match_masks(arguments.masks, {});
         if (!masks.ok()) return report_error(masks.error(), ErrorOrigin::kOtherInput);
     }
+    if (std::filesystem::exists(arguments.dataset_folder, unknown) &&
+        !std::filesystem::is_directory(arguments.dataset_folder, unknown)) {
+        return report_error(
+            {ErrorCode::kInvalidArgument,
+             arguments.dataset_folder + " is a file: choose another folder for the data set"},
+            ErrorOrigin::kOtherInput);
+    }
     const int code = start_session(command, arguments.session, arguments.photos, *std::move(config),
                                    arguments.watch);
-    if (code != 0 || arguments.dataset.empty()) return code;
-    DatasetArguments dataset;
+    if (code != 0 || arguments.dataset_folder.empty()) return code;
+    DatasetArguments dataset = arguments.dataset;
     dataset.threads = arguments.session.threads;
-    return export_dataset(arguments.session.session, arguments.dataset, std::nullopt, dataset);
+    dataset.reductions_as_before = true;
+    return export_dataset(arguments.session.session, arguments.dataset_folder, std::nullopt,
+                          dataset);
 }
 
 }  // namespace
@@ -104,11 +114,16 @@ void add_run_command(CLI::App& app, int& exit_code) {
     command->add_option("--vocabulary", arguments->vocabulary,
                         "Vocabulary made by `psfm vocabulary train`; without one it is trained "
                         "from the session's own images above 100");
-    command
-        ->add_option("--dataset", arguments->dataset,
-                     "In the end, also write the data set for Gaussian splatting there (as `psfm "
-                     "export --format dataset`)")
-        ->type_name("DIR");
+    CLI::Option* dataset =
+        command
+            ->add_option(
+                "--dataset", arguments->dataset_folder,
+                "In the end, also write the data set for Gaussian splatting there (as `psfm "
+                "export --format dataset`)")
+            ->type_name("DIR");
+    add_dataset_size_options(*command, arguments->dataset, "Of --dataset");
+    for (const char* option : {"--reduced", "--max-size"})
+        command->get_option(option)->needs(dataset);
     command->add_flag(
         "--watch", arguments->watch,
         "Keep waiting for more photographs to be copied into the folder, until Ctrl-C");
@@ -116,7 +131,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
         "Examples:\n"
         "  psfm run photos --session castle\n"
         "  psfm run photos --session castle --cameras calibration --fix-intrinsics\n"
-        "  psfm run photos --session castle --dataset train\n"
+        "  psfm run photos --session castle --dataset train --reduced 2 4 8\n"
         "  psfm run incoming --session live --watch --log live.jsonl\n"
         "A session can be continued with more photographs by the same command; those it has are "
         "skipped.\n"

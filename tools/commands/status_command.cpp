@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -67,6 +68,18 @@ void print_cameras(const SessionFacts& facts) {
     if (count > kShown) std::cout << "camera    and " << count - kShown << " more\n";
 }
 
+/// Images that wait, with the reason of each, and once for each reason what helps.
+void print_waiting(const std::vector<ImageFact>& facts) {
+    std::map<std::string, std::string> advice;  // by reason
+    for (const ImageFact& fact : facts) {
+        if (fact.state != ImageState::kWaiting) continue;
+        std::cout << "waiting   " << fact.name << ": " << fact.words << '\n';
+        if (!fact.advice.empty()) advice.emplace(fact.words, fact.advice);
+    }
+    for (const auto& [reason, what] : advice)
+        std::cout << "advice    " << reason << ": " << what << '\n';
+}
+
 void print_text(const Status& status, const std::string& session) {
     const SessionCounts& counts = status.facts.summary.counts;
     std::cout << "version " << counts.version << '\n'
@@ -82,10 +95,10 @@ void print_text(const Status& status, const std::string& session) {
               << " skipped\n";
     if (status.reference) std::cout << describe(*status.reference) << '\n';
     print_cameras(status.facts);
-    for (const ImageFact& fact : status.facts.facts) {
-        if (fact.state == ImageState::kWaiting)
-            std::cout << "waiting   " << fact.name << ": " << fact.words << '\n';
+    for (const WeakModel& model : status.facts.summary.weak) {
+        for (const std::string& line : describe(model)) std::cout << "weak      " << line << '\n';
     }
+    print_waiting(status.facts.facts);
     for (const PastEvent& event : status.facts.summary.events)
         std::cout << "image " << event.image << "  " << event.kind << ": " << event.text << '\n';
     for (const RejectedPhoto& photo : status.facts.rejected)

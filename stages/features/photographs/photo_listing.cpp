@@ -20,6 +20,8 @@ constexpr std::array kExtensions{".jpg"sv, ".jpeg"sv, ".jpe"sv,  ".jfif"sv, ".mp
                                  ".tif"sv, ".tiff"sv, ".webp"sv, ".bmp"sv,  ".heic"sv, ".heif"sv,
                                  ".hif"sv, ".avif"sv, ".jp2"sv,  ".pgm"sv,  ".ppm"sv,  ".pnm"sv};
 
+constexpr std::string_view kExportList = ".psfm-export";  // Format: PreviousExport's file
+
 /// A folder that is still to be listed; `prefix` is its name with a '/' at the end, or empty.
 struct Folder {
     fs::path path;
@@ -43,6 +45,8 @@ void take_entry(const fs::directory_entry& entry, const std::string& prefix, Pho
         if (is_link)
             return reject(listing, name,
                           "is a link to a folder, which is not followed; name that folder");
+        // What psfm has written there are no photographs, and would be more at every export.
+        if (fs::exists(entry.path() / kExportList, error)) return;
         pending.push_back({entry.path(), name + "/"});
         return;
     }

@@ -9,12 +9,23 @@
 namespace psfm {
 namespace {
 
+/// Longer names leave file systems no room for endings (255 bytes); the end tells more than the
+/// folders at the beginning. Names stay UTF-8.
+void shorten(std::string& name) {
+    constexpr std::size_t kMost = 200;  // Guard: [bytes], below the 255 of file systems
+    if (name.size() <= kMost) return;
+    std::size_t from = name.size() - kMost;
+    while (from < name.size() && (static_cast<unsigned char>(name[from]) & 0xC0U) == 0x80U) ++from;
+    name.erase(0, from);
+}
+
 std::string flattened(const std::string& photo_name) {
     std::string name = std::filesystem::path(photo_name).replace_extension().generic_string();
     constexpr std::string_view kUnsafe = "/\\.:*?\"<>| '%#";
     for (char& character : name) {
         if (kUnsafe.find(character) != std::string_view::npos) character = '_';
     }
+    shorten(name);
     return name.empty() ? "_" : name;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/models/dataset_model.h"
 #include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/image_positions.h"
 #include "storage/exchange/models/write_formats.h"
@@ -29,9 +30,10 @@ void add_intrinsics(const Camera& camera, Json& json) {
     json["p2"] = tangential ? camera.params[7] : 0.0;
 }
 
-/// world_from_camera as rows, the camera's y up and z backward.
-Json transform_matrix(const Rigid3& cam_from_world) {
-    const Rigid3 world_from_cam = inverse(cam_from_world);
+/// world_from_camera as rows, less the origin, the camera's y up and z backward.
+Json transform_matrix(const Rigid3& cam_from_world, const Eigen::Vector3d& origin) {
+    Rigid3 world_from_cam = inverse(cam_from_world);
+    world_from_cam.translation -= origin;
     const Eigen::Matrix3d rotation =
         world_from_cam.rotation.toRotationMatrix() * Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
     Json rows = Json::array();
@@ -55,12 +57,13 @@ Result<void> stage_nerfstudio(const ExportedModel& model, const std::filesystem:
     if (one_camera) add_intrinsics(model.cameras.front().camera, json);
     json["ply_file_path"] = "sparse_pc.ply";
     json["frames"] = Json::array();
+    const Eigen::Vector3d origin = float_origin(model);  // as that of sparse_pc.ply
     for (const ExportedImage& image : model.images) {
         Json frame{{"file_path", (image_folder / image.name).generic_string()}};
         if (!mask_folder.empty())
             frame["mask_path"] = (mask_folder / mask_name(image.name)).generic_string();
         if (!one_camera) add_intrinsics(model.find_camera(image.camera_id)->camera, frame);
-        frame["transform_matrix"] = transform_matrix(image.cam_from_world);
+        frame["transform_matrix"] = transform_matrix(image.cam_from_world, origin);
         frame["colmap_im_id"] = image.id;
         json["frames"].push_back(std::move(frame));
     }

@@ -111,6 +111,15 @@ TEST(PhotoListingTest, FoldersWithoutPhotographsAreErrorsWithARemedy) {
     EXPECT_THAT(failure("/proc/self/task/0/fd"), HasSubstr("/proc/self/task/0/fd"));
 }
 
+TEST(PhotoListingTest, WhatPsfmHasExportedIsNoPhotograph) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.jpg", "train/.psfm-export", "train/0/images/a.jpg", "b/c.jpg"})
+        folder.write(name, "x");
+    const auto listing = list_photos(folder.path());
+    ASSERT_TRUE(listing) << listing.error().message;
+    EXPECT_THAT(names_of(*listing), ElementsAre("a.jpg", "b/c.jpg"));
+}
+
 TEST(PhotoListingTest, CountsWhatLooksLikePhotographsAndIsNotRead) {
     const TemporaryFolder folder;
     for (const char* name : {"a.avif", "b.MPO", "c.dng", "d.gif", "e.jfif", "f.jpe", "g.mp4",

@@ -16,6 +16,19 @@ TEST(DatasetNames, AreFlatAndUnique) {
     EXPECT_EQ(dataset_names(photos), expected);
 }
 
+TEST(DatasetNames, LeaveFileSystemsRoomForEndings) {
+    std::string cyrillic;
+    for (int i = 0; i < 120; ++i) cyrillic += "ж";
+    const std::vector<std::string> photos{
+        std::string(200, 'f') + "/" + std::string(200, 'n') + "1.jpg",
+        std::string(200, 'f') + "/" + std::string(200, 'n') + "2.jpg", cyrillic + ".jpg"};
+    const auto names = dataset_names(photos);
+    EXPECT_NE(names[0], names[1]);
+    EXPECT_EQ(names[0].back(), '1');
+    for (const std::string& name : names) EXPECT_LE(name.size(), 210U);
+    EXPECT_EQ(names[2].substr(0, 2), "ж");  // whole characters
+}
+
 TEST(DatasetNames, StayWhenPhotographsAreAdded) {
     std::vector<std::string> photos{"a/x.jpg", "b.jpg"};
     const auto before = dataset_names(photos);

@@ -338,6 +338,15 @@ TEST_F(WriteFormats, FloatsSurviveFarFromTheOrigin) {
     const auto json = nlohmann::json::parse(test::file_bytes(folder_.path() / "0.gltf"));
     EXPECT_EQ(json["nodes"][0]["extras"]["origin"][0].get<double>(), origin.x());
     EXPECT_LT(std::abs(json["accessors"][0]["max"][0].get<double>()), 100.0);
+    // Cameras and points of one export lie in one frame.
+    ASSERT_TRUE(write_models(models, ExportFormat::kNerfstudio, folder_.path()));
+    const auto transforms =
+        nlohmann::json::parse(test::file_bytes(folder_.path() / "0/transforms.json"));
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto place = transforms["frames"][0]["transform_matrix"][axis][3].get<double>();
+        const Eigen::Vector3d centre = model_.images[0].cam_from_world.target_origin_in_source();
+        EXPECT_NEAR(place, centre[axis] - origin[axis], 1e-6);
+    }
     // Near it nothing is shifted.
     ASSERT_TRUE(write_models(near_models, ExportFormat::kPly, folder_.path()));
     EXPECT_EQ(test::file_bytes(folder_.path() / "0.ply").find("comment origin"), std::string::npos);

@@ -161,6 +161,56 @@ class Exchange(unittest.TestCase):
         self.ends(BAD_INPUT, "run", few, "--session", self.folder / "other", "--dataset", self.folder / "none")
         self.assertFalse((self.folder / "none").exists())
 
+    def test_a_data_set_below_the_photographs_is_none_of_them(self):
+        photos = self.photos(self.folder / "photos", self.names[:8])
+        command = ("run", photos, "--session", self.session, "--dataset", photos / "train")
+        self.ends(0, *command, "--reduced", "2", "2", "3")
+        self.assertEqual(sorted(path.name for path in (photos / "train/0").glob("images_*")), ["images_2", "images_3"])
+        self.photos(photos, self.names[8:10])
+        # What was reduced stays so, unless something else is asked for.
+        self.ends(0, *command)
+        self.assertEqual(self.status()["images"], 10)
+        self.assertEqual(len(list((photos / "train/0/images_3").iterdir())), self.status()["placed"])
+
+    def test_a_session_takes_in_no_model_later(self):
+        model = ("--colmap-model", self.shared / "model/0", "--images", self.shared / "half")
+        beside = self.folder / "session.importing"
+        beside.mkdir()
+        (beside / "mine").write_text("precious")
+        self.ends(0, "import", "--session", self.session, *model)
+        self.assertTrue((beside / "mine").exists())
+        said = self.ends(0, "import", "--session", self.session, *model)
+        self.assertIn("is not read again", said)
+        said = self.ends(BAD_INPUT, "import", "--session", self.session, *model[:3], self.folder / "nowhere")
+        self.assertIn("no such folder", said)
+        said = self.ends(BAD_INPUT, "import", "--session", self.shared / "session", *model)
+        self.assertIn("did not begin with a COLMAP model", said)
+
+    def test_photographs_of_others_are_told(self):
+        others = self.folder / "others"
+        others.mkdir()
+        for name, other in zip(self.names[::2], self.names[:0:-2]):
+            shutil.copy(self.shared / "wall/images" / other, others / name)
+        said = self.ends(0, "import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images", others)
+        self.assertIn("hardly shows what the model has of it", said)
+        self.session = self.folder / "right"
+        said = self.ends(0, "import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images",
+                         self.shared / "half")
+        self.assertNotIn("hardly", said)
+
+    def test_a_database_that_cannot_be_read_leaves_no_session(self):
+        file = self.database(("UPDATE two_view_geometries SET rows = rows + 1 WHERE rowid = "
+                              "(SELECT rowid FROM two_view_geometries ORDER BY rowid LIMIT 1)",))
+        said = self.ends(BAD_INPUT, "import", "--session", self.session, "--colmap-database", file)
+        self.assertIn("two_view_geometries, row", said)
+        self.assertFalse(self.session.exists())
+
+    def test_photographs_that_came_later_make_a_data_set(self):
+        self.ends(0, "import", "--session", self.session, "--colmap-database", self.shared / "db/database.db")
+        self.ends(0, "export", "--session", self.session, "--format", "dataset", "--output", self.folder / "data",
+                  "--images", self.shared / "half")
+        self.assertEqual(len(list((self.folder / "data/0/images").iterdir())), IMAGES // 2)
+
     def localised(self, session, *photos):
         said = self.ends(0, "localise", "--session", session, *photos, "--json")
         return json.loads(said[said.index("{"):])["photos"]

@@ -14,6 +14,20 @@ constexpr const char* kDatasetGroup = "Of --format dataset";
 
 }  // namespace
 
+void add_dataset_size_options(CLI::App& command, DatasetArguments& arguments,
+                              const std::string& group) {
+    command
+        .add_option("--reduced", arguments.reductions,
+                    "also images_K, pictures reduced K times, for each K (2 4 8)")
+        ->type_name("K")
+        ->check(CLI::Range(2U, 64U))
+        ->group(group);
+    command.add_option("--max-size", arguments.max_size, "longer side of pictures at most")
+        ->type_name("PX")
+        ->check(CLI::Range(16U, 100000U))
+        ->group(group);
+}
+
 void add_dataset_options(CLI::App& command, DatasetArguments& arguments) {
     command
         .add_option("--images", arguments.images,
@@ -25,16 +39,7 @@ void add_dataset_options(CLI::App& command, DatasetArguments& arguments) {
                     "only this connected part (0: the largest), into the output folder itself")
         ->type_name("N")
         ->group(kDatasetGroup);
-    command
-        .add_option("--reduced", arguments.reductions,
-                    "also images_K, pictures reduced K times, for each K (2 4 8)")
-        ->type_name("K...")
-        ->check(CLI::Range(2U, 64U))
-        ->group(kDatasetGroup);
-    command.add_option("--max-size", arguments.max_size, "longer side of pictures at most")
-        ->type_name("PX")
-        ->check(CLI::Range(16U, 100000U))
-        ->group(kDatasetGroup);
+    add_dataset_size_options(command, arguments, kDatasetGroup);
     command
         .add_option("--blank-pixels", arguments.blank_pixels,
                     "0: no black borders; 1: all of each photograph")

@@ -74,6 +74,15 @@ std::uint64_t mask_hash(const PictureOptions& options, const PhotoFile& photo) {
     return bytes ? XXH64(bytes->data(), bytes->size(), 0) : 0;
 }
 
+/// The photograph, in the first of the folders that has it.
+PhotoFile file_in(std::span<const std::filesystem::path> folders, const std::string& name) {
+    std::error_code ignored;
+    for (const std::filesystem::path& folder : folders) {
+        if (std::filesystem::exists(folder / name, ignored)) return {folder / name, name};
+    }
+    return {folders.back() / name, name};
+}
+
 /// The view that pictures of a camera are made with: the one that they were made with before, as
 /// long as that is as good.
 Result<std::uint32_t> view_for(const Camera& camera, std::uint8_t quarter_turns,
@@ -147,7 +156,7 @@ std::vector<std::string> picture_folders(const PictureOptions& options) {
 
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,
                                   std::span<const std::string> names,
-                                  const std::filesystem::path& folder,
+                                  std::span<const std::filesystem::path> folders,
                                   const std::filesystem::path& place,
                                   const DatasetPictureOptions& options) {
     DatasetRecord before = read_dataset_record(place / kDatasetRecordName);
@@ -169,9 +178,8 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
         const std::string& stem = names[static_cast<std::size_t>(photo - images.data())];
         const std::string name = stem + picture_extension(photo->name, options.picture.format);
         plan.images.push_back(DatasetImage{*view, name});
-        DatasetRecord::Picture wanted{
-            *view, photo->metadata.content_hash, orientation, 0,
-            mask_hash(options.picture, {folder / photo->name, photo->name})};
+        DatasetRecord::Picture wanted{*view, photo->metadata.content_hash, orientation, 0,
+                                      mask_hash(options.picture, file_in(folders, photo->name))};
         const auto made = before.pictures.find(name);
         if (same_settings && made != before.pictures.end()) {
             wanted.bytes = made->second.bytes;
@@ -188,7 +196,7 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
 }
 
 Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
-                                               const std::filesystem::path& folder,
+                                               std::span<const std::filesystem::path> folders,
                                                const std::filesystem::path& place,
                                                const PictureOptions& options, StagedFiles& files) {
     MemoryBudget budget;
@@ -203,9 +211,9 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
         // Photograph, its bytes, its grey copy, picture and encoder; the mask and its picture.
         const auto pixels = std::uint64_t{view.photo.width} * view.photo.height;
         const MemoryBudget::Share share(budget, (options.masks ? 12 : 9) * pixels);
-        const auto made = undistort_photo({folder / task.photo->name, task.photo->name},
-                                          task.photo->metadata.content_hash,
-                                          task.photo->metadata.orientation, view, options);
+        const auto made =
+            undistort_photo(file_in(folders, task.photo->name), task.photo->metadata.content_hash,
+                            task.photo->metadata.orientation, view, options);
         Result<void> written;
         const auto places = picture_places(image.name, options);
         for (std::size_t k = 0; made.ok() && written.ok() && k < places.size(); ++k) {

@@ -42,12 +42,12 @@ struct PicturePlan {
 
 /// @param images  of the session, ascending by id
 /// @param names  of pictures, without extension, one for each of these
-/// @param folder  of the photographs
+/// @param folders  of the photographs: one that has it counts, the first ones first
 /// @param place  the part's folder, where an earlier export may be
 /// @errors of make_undistorted_view()
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,
                                   std::span<const std::string> names,
-                                  const std::filesystem::path& folder,
+                                  std::span<const std::filesystem::path> folders,
                                   const std::filesystem::path& place,
                                   const DatasetPictureOptions& options);
 
@@ -60,11 +60,11 @@ std::vector<std::string> picture_folders(const PictureOptions& options);
 
 /// Makes what the plan asks for, on all threads of the budget, within about 600 MiB. Photographs
 /// that cannot be used are taken out of the plan.
-/// @param folder  of the photographs
+/// @param folders  of the photographs, as above. A content hash of 0 lets any content pass
 /// @return what was left out, one line for each
 /// @errors kNoSpace, kIo: a file cannot be written
 Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
-                                               const std::filesystem::path& folder,
+                                               std::span<const std::filesystem::path> folders,
                                                const std::filesystem::path& place,
                                                const PictureOptions& options, StagedFiles& files);
 

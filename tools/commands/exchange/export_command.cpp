@@ -67,16 +67,16 @@ void print_summary(const std::vector<ExportedModel>& models, ExportFormat format
 }
 
 int run_export(const CLI::App& command, const ExportArguments& arguments) {
+    if (arguments.points_only && arguments.format != "ply") {
+        std::cerr << "psfm: --points-only goes with --format ply only\n";
+        return kUsageError;
+    }
     if (arguments.format == kDatasetFormat) {
         return export_dataset(arguments.session, arguments.output, arguments.after_image,
                               arguments.dataset);
     }
     if (const auto option = given_dataset_option(command)) {
         std::cerr << "psfm: " << *option << " goes with --format dataset only\n";
-        return kUsageError;
-    }
-    if (arguments.points_only && arguments.format != "ply") {
-        std::cerr << "psfm: --points-only goes with --format ply only\n";
         return kUsageError;
     }
     if (arguments.format == kDatabaseFormat) {
@@ -120,7 +120,8 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
         .ply = arguments.points_only ? PlyContents::kPoints : PlyContents::kPointsAndCameras};
     std::vector<GeoPart> parts;
     for (const ExportedModel& model : *models) {
-        const bool floats = *format == ExportFormat::kPly || *format == ExportFormat::kGltf;
+        const bool floats = *format == ExportFormat::kPly || *format == ExportFormat::kGltf ||
+                            *format == ExportFormat::kNerfstudio;
         parts.push_back(
             {parts.size(), &model, floats ? float_origin(model) : Eigen::Vector3d::Zero()});
         options.up.push_back(up_in_model(model, known, reference.has_value()));

@@ -3,10 +3,13 @@
 #include "tools/commands/exchange/export_dataset.h"
 
 #include <algorithm>
+#include <charconv>
 #include <iostream>
 #include <numeric>
 #include <set>
+#include <string_view>
 
+#include "scheduler/front_end/foreign_features.h"
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/export_models.h"
@@ -26,8 +29,9 @@ namespace {
 
 /// What the session has to say.
 struct DatasetContents {
+    std::filesystem::path session;
     Scene scene;
-    std::vector<Image> images;
+    std::vector<Image> images;  ///< content hash 0: came without its photograph
     std::filesystem::path photo_folder;
     std::filesystem::path mask_folder;  ///< of `psfm run --masks`; empty: none
     std::vector<ExportedModel> models;
@@ -51,6 +55,14 @@ Result<DatasetContents> read_session(const SessionReader& session,
     } else {
         std::cerr << "psfm: " << config.error().message
                   << "; masks given to `psfm run` are not known: give --mask-folder\n";
+    }
+    if (config.ok() && (!config->image_ids.empty() || !config->colmap_database.empty())) {
+        for (Image& image : contents.images) {
+            const auto keypoints = session.keypoints(image.id);
+            if (!keypoints.ok()) return keypoints.error();
+            if (image.metadata.content_hash == hash_without_photograph(image.name, **keypoints))
+                image.metadata.content_hash = 0;
+        }
     }
     auto models = export_models(
         contents.scene, contents.images, [&](ImageId image) { return session.keypoints(image); },
@@ -76,6 +88,22 @@ DatasetPictureOptions picture_options(const DatasetArguments& arguments) {
     return options;
 }
 
+/// K of the folders images_K that psfm has written, ascending.
+std::vector<std::uint32_t> reductions_of(const PreviousExport& previous) {
+    std::set<std::uint32_t> found;
+    for (const std::string& path : previous.paths()) {
+        constexpr std::string_view kFolder = "images_";  // Format: trainers' name of it
+        const std::filesystem::path folder = std::filesystem::path(path).parent_path().filename();
+        const std::string name = folder.string();
+        if (!name.starts_with(kFolder)) continue;
+        std::uint32_t factor = 0;
+        const char* end = name.data() + name.size();
+        const auto read = std::from_chars(name.data() + kFolder.size(), end, factor);
+        if (read.ec == std::errc() && read.ptr == end) found.insert(factor);
+    }
+    return {found.begin(), found.end()};
+}
+
 bool is_picture_folder(const std::string& name) {
     return name.starts_with("images") || name.starts_with("masks");
 }
@@ -87,6 +115,10 @@ bool belongs_to_parts(const std::string& path, bool one_part) {
     static const std::set<std::string> kNames{"sparse", "stereo", "transforms.json",
                                               "sparse_pc.ply", kDatasetRecordName};
     return kNames.contains(first) || is_picture_folder(first);
+}
+
+bool is_within(const std::filesystem::path& path, const std::filesystem::path& folder) {
+    return std::ranges::mismatch(folder, path).in1 == folder.end();
 }
 
 /// What an export that was killed left: pictures that had no name yet.
@@ -116,16 +148,21 @@ class DatasetExport {
         names_ = dataset_names(names);
         if (options_.picture.mask_folder.empty())
             options_.picture.mask_folder = contents.mask_folder;
+        // What came by `psfm serve` lies in the session itself.
         if (!arguments.images.empty())
-            photos_ = arguments.images;
+            photos_ = {arguments.images};
         else
-            photos_ = contents.photo_folder;
+            photos_ = {contents.session / "photographs", contents.photo_folder};
     }
 
     std::optional<Failure> run() {
         for (std::size_t n = 0; n < contents_.models.size(); ++n) {
             if (arguments_.part && *arguments_.part != n) continue;
             if (auto failure = stage_part(n)) return failure;
+        }
+        if (parts_.empty()) {
+            return of_output({ErrorCode::kNotFound,
+                              left_out_.empty() ? "there is nothing to write" : left_out_.front()});
         }
         if (auto failure = stage_geo()) return failure;
         return commit();
@@ -185,7 +222,15 @@ class DatasetExport {
         if (!left_out.ok()) return of_output(left_out.error());
         const auto pictures = static_cast<std::size_t>(std::ranges::count_if(
             plan->images, [](const auto& image) { return image.has_value(); }));
-        if (pictures == 0) return of_output(no_photographs(place, *left_out));
+        if (pictures == 0) {
+            if (contents_.models.size() == 1 || arguments_.part)
+                return of_output(no_photographs(place, *left_out));
+            left_out_.push_back("all of " + place.string() + ": " +
+                                no_photographs(place, *left_out).message);
+            std::erase_if(ours_, [&](const auto& path) { return is_within(path, place); });
+            skipped_.push_back(place);
+            return std::nullopt;
+        }
         parts_.push_back({n, &model, float_origin(model)});
         const ExportedModel undistorted =
             dataset_model(model, plan->record.views, plan->images, parts_.back().origin);
@@ -216,9 +261,11 @@ class DatasetExport {
     Error no_photographs(const std::filesystem::path& place,
                          const std::vector<std::string>& reasons) const {
         std::error_code ignored;
-        if (!std::filesystem::is_directory(photos_, ignored)) {
+        if (std::ranges::none_of(photos_, [&](const std::filesystem::path& folder) {
+                return std::filesystem::is_directory(folder, ignored);
+            })) {
             return {ErrorCode::kNotFound,
-                    photos_.string() +
+                    photos_.back().string() +
                         " is no folder of photographs: name the one that has them with --images"};
         }
         return {ErrorCode::kNotFound, "no photograph of " + place.string() + " can be used: " +
@@ -245,12 +292,21 @@ class DatasetExport {
 
     std::optional<Failure> commit() {
         std::set<std::filesystem::path> outdated;
+        std::size_t pictures = 0;
         for (const std::string& relative : previous_.paths()) {
             const std::filesystem::path path = output_ / relative;
             const bool replaced =
                 belongs_to_parts(relative, arguments_.part.has_value()) ||
                 std::ranges::find(geo_file_names(), relative) != geo_file_names().end();
-            if (replaced && !ours_.contains(path)) outdated.insert(path);
+            const bool skipped = std::ranges::any_of(
+                skipped_, [&](const auto& place) { return is_within(path, place); });
+            if (!replaced || skipped || ours_.contains(path) || !outdated.insert(path).second)
+                continue;
+            if (is_picture_folder(path.parent_path().filename().string())) ++pictures;
+        }
+        if (pictures > 0) {
+            summary_.push_back(output_.string() + ": " + counted(pictures, "picture") +
+                               " of an earlier export removed");
         }
         for (const auto& path : outdated) {
             std::error_code ignored;
@@ -277,12 +333,13 @@ class DatasetExport {
     DatasetPictureOptions options_;
     std::filesystem::path output_;
     PreviousExport previous_;
-    std::filesystem::path photos_;
+    std::vector<std::filesystem::path> photos_;  ///< folders; the first ones count first
     std::vector<std::string> names_;
     StagedFiles files_;
     std::set<std::filesystem::path> ours_;
     std::vector<std::pair<std::filesystem::path, std::string>> records_;
     std::vector<GeoPart> parts_;
+    std::vector<std::filesystem::path> skipped_;  ///< parts none of whose photographs is there
     std::vector<std::string> left_out_;
     std::string trouble_;
     std::vector<std::string> summary_;
@@ -310,8 +367,9 @@ int export_dataset(const std::string& session, const std::string& output,
                    std::optional<std::uint32_t> after_image, const DatasetArguments& arguments) {
     const auto reader = open_session_reader(session, StoreOptions{});
     if (!reader.ok()) return report_error(reader.error());
-    const auto contents = read_session(**reader, after_image);
+    auto contents = read_session(**reader, after_image);
     if (!contents.ok()) return report_error(contents.error());
+    contents->session = session;
     if (const auto failure = check_parts(*contents, session, arguments))
         return report_error(failure->error, failure->origin);
     std::error_code ignored;
@@ -323,7 +381,13 @@ int export_dataset(const std::string& session, const std::string& output,
     auto previous = PreviousExport::read(output);
     if (!previous.ok()) return report_error(previous.error(), ErrorOrigin::kOtherInput);
     const ThreadBudget budget(arguments.threads);
-    DatasetExport dataset(*contents, arguments, output, *std::move(previous));
+    DatasetArguments asked = arguments;
+    std::ranges::sort(asked.reductions);
+    const auto again = std::ranges::unique(asked.reductions);
+    asked.reductions.erase(again.begin(), again.end());
+    if (asked.reductions_as_before && asked.reductions.empty())
+        asked.reductions = reductions_of(*previous);
+    DatasetExport dataset(*contents, asked, output, *std::move(previous));
     const auto failure = dataset.run();
     if (failure) return report_error(failure->error, failure->origin);
     dataset.print();

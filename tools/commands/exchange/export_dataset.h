@@ -21,6 +21,7 @@ struct DatasetArguments {
     std::string images;                 ///< folder of the photographs; empty: the session's
     std::optional<std::uint32_t> part;  ///< only this one, into the output folder itself
     std::vector<std::uint32_t> reductions;
+    bool reductions_as_before = false;  ///< without reductions: those of an earlier export there
     std::uint32_t max_size = 0;
     double blank_pixels = 0.0;
     int jpeg_quality = 95;
@@ -33,6 +34,10 @@ struct DatasetArguments {
 
 /// @param arguments  filled when the command line is parsed; outlives that
 void add_dataset_options(CLI::App& command, DatasetArguments& arguments);
+
+/// Those of them that `run --dataset` has, too. @param group  in the help
+void add_dataset_size_options(CLI::App& command, DatasetArguments& arguments,
+                              const std::string& group);
 
 /// The option of these that the command line has, if any. @param command  parsed
 std::optional<std::string> given_dataset_option(const CLI::App& command);

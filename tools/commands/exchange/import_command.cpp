@@ -9,6 +9,7 @@
 
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/console/count_line.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/wording.h"
@@ -46,6 +47,20 @@ Result<void> check_matches(const ColmapDatabase& database, const std::string& fi
                      shell_word(file) + "`, or `psfm run` on the photographs"};
 }
 
+/// Looks at all that a new session would take, so that none is begun with what cannot be read.
+Result<void> check_contents(const ColmapDatabase& database, const std::string& session) {
+    std::error_code ignored;
+    if (std::filesystem::exists(session, ignored)) return {};
+    CountLine line(" images of the database looked at", database.images().size());
+    for (const DatabaseImage& image : database.images()) {
+        if (const auto found = database.keypoints(image.id); !found.ok()) return found.error();
+        if (const auto found = database.descriptors(image.id); !found.ok()) return found.error();
+        if (const auto found = database.matches(image.id); !found.ok()) return found.error();
+        line.advance();
+    }
+    return {};
+}
+
 /// Tells which of the database's photographs the folder lacks. @errors kNotFound: all of them
 Result<void> check_photographs(const ColmapDatabase& database, const std::string& folder) {
     if (folder.empty()) return {};
@@ -79,7 +94,8 @@ int import(const CLI::App& command, const ImportArguments& arguments) {
     const auto database = ColmapDatabase::open(arguments.database);
     if (!database.ok()) return report_error(database.error(), ErrorOrigin::kOtherInput);
     for (const auto& checked : {check_matches(**database, arguments.database),
-                                check_photographs(**database, arguments.images)}) {
+                                check_photographs(**database, arguments.images),
+                                check_contents(**database, arguments.session.session)}) {
         if (!checked.ok()) return report_error(checked.error(), ErrorOrigin::kOtherInput);
     }
     auto config = config_from(arguments.session, [&] {

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/exchange/import_model.h"
 
+#include <signal.h>
+#include <unistd.h>
+
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cerrno>
+#include <charconv>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -29,6 +34,16 @@ fs::path absolute(const std::string& path) {
     return fs::absolute(path).lexically_normal();
 }
 
+/// A model of poses alone has an empty file of points; without one it is not whole.
+Result<void> check_points_are_there(const fs::path& folder) {
+    std::error_code ignored;
+    for (const char* name : {"points3D.bin", "points3D.txt"}) {
+        if (fs::is_regular_file(folder / name, ignored)) return {};
+    }
+    return Error{ErrorCode::kNotFound,
+                 folder.string() + " has no points3D.bin or points3D.txt: copy the whole model"};
+}
+
 Result<ForeignModel> read_model(const ModelImportArguments& arguments,
                                 const ColmapDatabase* database) {
     const auto folders = find_colmap_models(arguments.model);
@@ -38,8 +53,17 @@ Result<ForeignModel> read_model(const ModelImportArguments& arguments,
                      arguments.model + " has " + counted(folders->size(), "model") +
                          ": name one of them, " + folders->front().string() + " for instance"};
     }
+    if (auto checked = check_points_are_there(folders->front()); !checked.ok())
+        return checked.error();
     auto model = read_colmap_model(folders->front());
     if (!model.ok()) return model.error();
+    for (const ExportedCamera& camera : model->cameras) {
+        if (const auto valid = validate(camera.camera); !valid.ok()) {
+            return Error{ErrorCode::kDamaged, folders->front().string() + ": camera " +
+                                                  std::to_string(camera.id) + ": " +
+                                                  valid.error().message};
+        }
+    }
     if (model->images.size() < 2) {
         return Error{ErrorCode::kTooFewMatches,
                      arguments.model + " places " + counted(model->images.size(), "image") +
@@ -75,13 +99,34 @@ Result<void> check_photographs(const ForeignModel& foreign) {
     return {};
 }
 
+constexpr std::string_view kImporting = ".importing-";  // Format: between folder and process
+
+/// Removes what imports into this place have left that were killed.
+void remove_abandoned(const fs::path& place) {
+    const std::string begins = place.filename().string() + std::string(kImporting);
+    std::error_code failure;
+    const fs::path folder = place.has_parent_path() ? place.parent_path() : fs::path(".");
+    for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
+         entry.increment(failure)) {
+        const std::string name = entry->path().filename().string();
+        if (!name.starts_with(begins)) continue;
+        pid_t process = 0;
+        const char* last = name.data() + name.size();
+        const auto read = std::from_chars(name.data() + begins.size(), last, process);
+        const bool is_ours = read.ec == std::errc() && read.ptr == last && process > 0;
+        std::error_code ignored;
+        if (is_ours && kill(process, 0) != 0 && errno == ESRCH)
+            fs::remove_all(entry->path(), ignored);
+    }
+}
+
 /// Makes the session beside its place, and moves it there.
 std::optional<Failure> make_session(const SessionArguments& session, const ForeignModel& foreign,
                                     const SessionConfig& config, BegunSession& begun) {
     const fs::path place = session.session;
-    const fs::path beside = place.string() + ".importing";
+    remove_abandoned(place);
+    const fs::path beside = place.string() + std::string(kImporting) + std::to_string(getpid());
     std::error_code failure;
-    fs::remove_all(beside, failure);
     {
         StoreOptions options;
         options.cache_bytes = session.cache_mib << 20U;
@@ -112,6 +157,16 @@ void print_begun(const BegunSession& begun) {
               << " points, " << begun.pairs << " verified pairs, in "
               << counted(begun.clusters, "cluster") << '\n'
               << std::flush;
+    if (begun.repeated_observations > 0) {
+        std::cerr << "psfm: " << counted(begun.repeated_observations, "observation")
+                  << " left out: their points are seen twice in an image, and once here\n";
+    }
+    if (!begun.unlike.empty()) {
+        std::cerr << "psfm: " << counted(begun.unlike.size(), "photograph") << " ("
+                  << begun.unlike.front() << (begun.unlike.size() > 1 ? ", …" : "")
+                  << ") hardly shows what the model has of it: is it the one that the model was "
+                     "made from?\n";
+    }
     if (begun.without_descriptors.empty()) return;
     std::cerr << "psfm: " << counted(begun.without_descriptors.size(), "image") << " of the model ("
               << begun.without_descriptors.front()
@@ -143,6 +198,29 @@ std::optional<Failure> begin(const SessionArguments& session, const ModelImportA
 bool is_session(const std::string& folder) {
     std::error_code ignored;
     return fs::exists(folder, ignored) && !fs::is_empty(folder, ignored);
+}
+
+/// A session that is there goes on as it began: with a model that it was made from.
+Result<void> check_session(const std::string& session, const ModelImportArguments& arguments) {
+    const auto reader = open_session_reader(session, StoreOptions{});
+    if (!reader.ok()) return reader.error();
+    const auto settings = (*reader)->settings();
+    if (!settings.ok()) return settings.error();
+    const auto config = decode_config(settings->settings_json);
+    if (config.ok() && config->image_ids.empty()) {
+        return Error{ErrorCode::kInvalidArgument,
+                     session +
+                         " did not begin with a COLMAP model, and takes none in later: "
+                         "choose another session folder"};
+    }
+    std::error_code ignored;
+    if (!fs::is_directory(arguments.images, ignored)) {
+        return Error{ErrorCode::kNotFound,
+                     arguments.images + ": there is no such folder of photographs"};
+    }
+    std::cerr << "psfm: " << session << " has its model already; " << arguments.model
+              << " is not read again\n";
+    return {};
 }
 
 /// Whether the folder has a photograph that the session has not looked at.
@@ -179,6 +257,8 @@ int import_model(const CLI::App& command, const SessionArguments& session,
     if (!is_session(session.session)) {
         if (const auto failure = begin(session, arguments, *config))
             return report_error(failure->error, failure->origin);
+    } else if (const auto checked = check_session(session.session, arguments); !checked.ok()) {
+        return report_error(checked.error(), ErrorOrigin::kOtherInput);
     }
     const auto more = has_new_photographs(session.session, arguments.images);
     if (!more.ok()) return report_error(more.error());
