@@ -206,6 +206,7 @@ Result<void> check_session(const std::string& session, const ModelImportArgument
     if (!reader.ok()) return reader.error();
     const auto settings = (*reader)->settings();
     if (!settings.ok()) return settings.error();
+    // Expected: what a later program wrote is refused where the session is opened to go on
     const auto config = decode_config(settings->settings_json);
     if (config.ok() && config->image_ids.empty()) {
         return Error{ErrorCode::kInvalidArgument,
