@@ -165,6 +165,7 @@ std::vector<CameraId> senseless_cameras(const AdjustmentParameters& parameters,
     std::vector<CameraId> senseless;
     for (const CameraId camera : scope.free_cameras) {
         const auto refined = refined_camera(parameters, model, parameters.owner_of(camera));
+        // Expected: that is the question
         if (refined && !validate(*refined).ok()) senseless.push_back(camera);
     }
     return senseless;

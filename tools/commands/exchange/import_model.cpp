@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/exchange/import_model.h"
 
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/App.hpp>
@@ -10,6 +9,7 @@
 #include <CLI/Formatter.hpp>
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -206,8 +206,8 @@ Result<void> check_session(const std::string& session, const ModelImportArgument
     if (!reader.ok()) return reader.error();
     const auto settings = (*reader)->settings();
     if (!settings.ok()) return settings.error();
-    // Expected: what a later program wrote is refused where the session is opened to go on
     const auto config = decode_config(settings->settings_json);
+    // Expected: what a later program wrote is refused where the session is opened to go on
     if (config.ok() && config->image_ids.empty()) {
         return Error{ErrorCode::kInvalidArgument,
                      session +
