@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "scheduler/front_end/foreign_features.h"
@@ -44,8 +45,25 @@ class Numbers {
 };
 
 /// The model as a solution of one cluster.
-Result<std::shared_ptr<const Reconstruction>> reconstruction_of(const ExportedModel& model,
-                                                                const Numbers& numbers) {
+/// COLMAP lets a point be seen twice in one image; the first feature counts here. Moves the others
+/// out of an ascending track. @param repeated  for SessionConfig: see there
+void take_repeated(std::vector<Observation>& track, std::vector<std::uint32_t>& repeated) {
+    std::optional<Observation> kept;
+    std::erase_if(track, [&](const Observation& seen) {
+        if (!kept || kept->image != seen.image) {
+            kept = seen;
+            return false;
+        }
+        for (const std::uint32_t number : {index_of(seen.image), kept->feature, seen.feature})
+            repeated.push_back(number);
+        return true;
+    });
+}
+
+/// @param repeated  takes up what is left out
+std::shared_ptr<const Reconstruction> reconstruction_of(const ExportedModel& model,
+                                                        const Numbers& numbers,
+                                                        std::vector<std::uint32_t>& repeated) {
     auto result = std::make_shared<Reconstruction>();
     for (const std::uint32_t id : used_cameras(model)) {
         Camera given = model.find_camera(id)->camera;
@@ -65,19 +83,11 @@ Result<std::shared_ptr<const Reconstruction>> reconstruction_of(const ExportedMo
         for (const ExportedObservation& seen : point.track)
             scene_point.track.push_back({numbers.image(seen.image_id), seen.keypoint});
         std::ranges::sort(scene_point.track);
-        // COLMAP lets a point be seen twice in one image; the first counts here.
-        const auto repeated = std::ranges::unique(scene_point.track, {}, &Observation::image);
-        scene_point.track.erase(repeated.begin(), repeated.end());
+        take_repeated(scene_point.track, repeated);
         if (scene_point.track.size() >= 2) points.push_back(std::move(scene_point));
     }
     result->points = std::move(points);
-    return std::shared_ptr<const Reconstruction>(std::move(result));
-}
-
-std::size_t observations_in(const auto& points) {
-    std::size_t count = 0;
-    for (const auto& point : points) count += point.track.size();
-    return count;
+    return result;
 }
 
 /// Matches of each image with earlier ones: of the database, or of the points that both see.
@@ -109,13 +119,11 @@ class Import {
     Result<BegunSession> run(const std::function<void()>& progress) {
         begun_.images = foreign_.model.images.size();
         if (auto done = take_images(progress); !done.ok()) return done.error();
-        auto model = reconstruction_of(foreign_.model, numbers_);
-        if (!model.ok()) return model.error();
-        begun_.points = (*model)->points.size();
-        begun_.repeated_observations =
-            observations_in(foreign_.model.points) - observations_in((*model)->points);
-        if (auto done = take_pairs(**model); !done.ok()) return done.error();
-        if (auto done = take_model(*model); !done.ok()) return done.error();
+        const auto model =
+            reconstruction_of(foreign_.model, numbers_, begun_.repeated_observations);
+        begun_.points = model->points.size();
+        if (auto done = take_pairs(*model); !done.ok()) return done.error();
+        if (auto done = take_model(model); !done.ok()) return done.error();
         return begun_;
     }
 

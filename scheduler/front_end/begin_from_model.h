@@ -27,14 +27,14 @@ struct ForeignModel {
 struct BegunSession {
     std::size_t images = 0;
     std::size_t points = 0;
-    std::size_t repeated_observations = 0;  ///< of points seen twice in an image: the first counts
-    std::size_t pairs = 0;                  ///< verified
-    std::size_t clusters = 0;               ///< that go on, each with its part of the model
+    std::size_t pairs = 0;     ///< verified
+    std::size_t clusters = 0;  ///< that go on, each with its part of the model
     /// Of images that have neither photograph nor descriptors in the database: nothing new can be
     /// joined to them.
     std::vector<std::string> without_descriptors;
     /// Of images whose photographs hardly show what the model has of them.
     std::vector<std::string> unlike;
+    std::vector<std::uint32_t> repeated_observations;  ///< for SessionConfig: see there
 };
 
 /// The ids that a model's images and cameras had, for SessionConfig: see there.

@@ -4,6 +4,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "stages/features/adopt_features.h"
@@ -58,6 +59,22 @@ constexpr double kFewestDescribed = 0.2;
 
 }  // namespace
 
+namespace {
+
+/// Features that observe a point have its colour, so that the point keeps it.
+void take_colours(const ExportedImage& image, const ExportedModel& model, Keypoints& keypoints) {
+    const std::size_t count = std::min(keypoints.size(), image.keypoints.size());
+    for (std::size_t k = 0; k < count; ++k) {
+        if (image.keypoints[k].point == kNoPoint) continue;
+        const auto& rgb = model.find_point(image.keypoints[k].point)->rgb;
+        keypoints[k].red = rgb[0];
+        keypoints[k].green = rgb[1];
+        keypoints[k].blue = rgb[2];
+    }
+}
+
+}  // namespace
+
 std::uint64_t hash_without_photograph(const std::string& name, const Keypoints& keypoints) {
     const std::uint64_t features =
         XXH64(keypoints.data(), keypoints.size() * sizeof(Keypoint), /*seed=*/0);
@@ -78,12 +95,14 @@ Result<ForeignFeatures> foreign_features(const ForeignImage& source, const Forei
     } else {
         features.keypoints = places_of(image);
     }
+    take_colours(image, foreign.model, features.keypoints);
     features.metadata.width = source.camera->width;
     features.metadata.height = source.camera->height;
     features.metadata.content_hash = hash_without_photograph(image.name, features.keypoints);
     if (!has_photo) return ForeignFeatures{std::move(features)};
     if (!features.descriptors.values.empty()) {
         if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
+        take_colours(image, foreign.model, features.keypoints);
         return ForeignFeatures{std::move(features)};
     }
     auto found = run_features(photo, options);
@@ -94,6 +113,7 @@ Result<ForeignFeatures> foreign_features(const ForeignImage& source, const Forei
     const bool is_unlike = static_cast<double>(adopted.described) <
                            kFewestDescribed * static_cast<double>(features.keypoints.size());
     features.keypoints = std::move(adopted.keypoints);
+    take_colours(image, foreign.model, features.keypoints);
     features.descriptors = std::move(adopted.descriptors);
     return ForeignFeatures{std::move(features), is_unlike};
 }

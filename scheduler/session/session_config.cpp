@@ -89,6 +89,7 @@ std::string encode_config(const SessionConfig& config) {
                 {"database_photos", config.database_photos},
                 {"image_ids", config.image_ids},
                 {"camera_ids", config.camera_ids},
+                {"repeated_observations", config.repeated_observations},
                 {"keep_world", config.keep_world},
                 {"order", config.order},
                 {"history", std::string(history_name(config.history))},
@@ -125,6 +126,8 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.database_photos = object.value("database_photos", "");
         config.image_ids = object.value("image_ids", std::vector<std::uint32_t>{});
         config.camera_ids = object.value("camera_ids", std::vector<std::uint32_t>{});
+        config.repeated_observations =
+            object.value("repeated_observations", std::vector<std::uint32_t>{});
         config.keep_world = object.value("keep_world", false);
         config.order = object.at("order").get<std::vector<std::string>>();
         const auto history = history_from_name(object.value("history", "poses"));

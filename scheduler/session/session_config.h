@@ -50,6 +50,10 @@ struct SessionConfig {
     /// had there, by ours, for exports. Later ones follow the largest. Empty: ours plus one.
     std::vector<std::uint32_t> image_ids = {};
     std::vector<std::uint32_t> camera_ids = {};
+    /// Of such a session: observations of points that another feature of the same image observes,
+    /// which psfm's points do not have and exports do: three numbers each, the image (ours), the
+    /// feature that counts, the one beside it.
+    std::vector<std::uint32_t> repeated_observations = {};
     /// The world stays the frame that it is, whatever positions photographs have: that of a model
     /// that the session began with.
     bool keep_world = false;

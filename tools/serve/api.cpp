@@ -119,7 +119,8 @@ HttpPlan Api::plan(const HttpRequest& head) {
         response.headers.emplace_back("WWW-Authenticate", "Bearer");
         return at_once(std::move(response));
     }
-    if (path.starts_with("/photographs")) return plan_photograph(head, caller.user);
+    if (path == "/photographs" || path.starts_with("/photographs/"))
+        return plan_photograph(head, caller.user);
     return plan_read(head, caller.user);
 }
 

@@ -107,6 +107,7 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
     };
     if (parts.size() == 4) {
         if (what == "events") {
+            if (head.method == "HEAD") return at_once(problem(405, "a stream has no end to tell"));
             HttpPlan plan;
             plan.events = true;
             return plan;

@@ -67,7 +67,17 @@ void LiveSession::on_publish(const PublishMessage& publish) {
                                            {"event", name_of(event.kind)},
                                            {"text", event.text}}));
     }
-    if (publish.scene) on_version(publish.scene);
+    if (publish.scene) return on_version(publish.scene);
+    // A rejected photograph makes no version, and its sender waits to hear of it.
+    if (std::ranges::none_of(publish.events, [](const SessionEvent& event) {
+            return event.kind == SessionEvent::Kind::kRejected;
+        }))
+        return;
+    {
+        const std::lock_guard lock(inbox_mutex_);
+        looks_again_ = true;
+    }
+    wake_.notify_all();
 }
 
 void LiveSession::on_version(ScenePtr scene) {
@@ -87,11 +97,13 @@ void LiveSession::run() {
     std::unique_lock lock(inbox_mutex_);
     while (!over_) {
         const bool woken = wake_.wait_for(lock, std::chrono::milliseconds(500),
-                                          [&] { return over_ || next_ != nullptr; });
+                                          [&] { return over_ || next_ || looks_again_; });
         if (over_) break;
         if (!woken && (exact || seconds_since(last) < kSettledAfter)) continue;
-        const ScenePtr scene = woken ? std::exchange(next_, nullptr) : scene_version();
+        ScenePtr scene = std::exchange(next_, nullptr);
+        looks_again_ = false;
         lock.unlock();
+        if (!scene) scene = scene_version();
         look(scene, !woken);
         exact = !woken;
         if (woken) last = Clock::now();

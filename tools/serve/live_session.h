@@ -78,6 +78,7 @@ class LiveSession final : public SessionObserver {
     mutable std::mutex inbox_mutex_;
     std::condition_variable wake_;
     ScenePtr next_;
+    bool looks_again_ = false;  ///< something has become of a photograph without a version
     bool over_ = false;
 
     // Of the thread:

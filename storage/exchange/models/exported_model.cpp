@@ -37,6 +37,24 @@ ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> ima
     return model;
 }
 
+void add_repeated(ExportedModel& model, std::span<const std::uint32_t> repeated) {
+    for (std::size_t i = 0; i + 2 < repeated.size(); i += 3) {
+        const std::uint32_t id = repeated[i] + 1;
+        const auto image = std::ranges::lower_bound(model.images, id, {}, &ExportedImage::id);
+        if (image == model.images.end() || image->id != id) continue;
+        auto& keypoints = image->keypoints;
+        const std::uint32_t kept = repeated[i + 1];
+        const std::uint32_t beside = repeated[i + 2];
+        if (std::max(kept, beside) >= keypoints.size()) continue;
+        if (keypoints[kept].point == kNoPoint || keypoints[beside].point != kNoPoint) continue;
+        const auto point =
+            std::ranges::lower_bound(model.points, keypoints[kept].point, {}, &ExportedPoint::id);
+        keypoints[beside].point = point->id;
+        const ExportedObservation seen{id, beside};
+        point->track.insert(std::ranges::lower_bound(point->track, seen), seen);
+    }
+}
+
 const ExportedCamera* ExportedModel::find_camera(std::uint32_t id) const {
     return find_by_id(cameras, id);
 }

@@ -76,4 +76,10 @@ struct ExportedModel {
 ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> image_ids,
                          std::span<const std::uint32_t> camera_ids);
 
+/// Adds observations of points that another feature of the same image observes, where that feature
+/// still does and the one beside it observes nothing.
+/// @param repeated  three numbers each: the image's number (its id less one), the feature that
+/// observes the point, the one beside it; what does not fit is left out
+void add_repeated(ExportedModel& model, std::span<const std::uint32_t> repeated);
+
 }  // namespace psfm

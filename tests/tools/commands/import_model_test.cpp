@@ -117,6 +117,40 @@ TEST_F(ImportModel, UnchangedItIsTheSameModel) {
     EXPECT_NE(again_imported.output.find("no photograph"), std::string::npos);
 }
 
+TEST_F(ImportModel, PointsSeenTwiceAndTheirColoursComeOutAgain) {
+    std::vector<ExportedModel> given{model_};
+    ExportedPoint& point = given[0].points[4];
+    point.rgb = {200, 10, 77};
+    const std::uint32_t id = point.track[0].image_id;
+    auto& keypoints =
+        std::ranges::lower_bound(given[0].images, id, {}, &ExportedImage::id)->keypoints;
+    const auto free = std::ranges::find(keypoints, kNoPoint, &ExportedKeypoint::point);
+    if (free == keypoints.end()) {
+        for (ExportedImage& image : given[0].images)
+            image.keypoints.push_back({7.0, 8.0, kNoPoint});
+    }
+    const auto beside = static_cast<std::uint32_t>(
+        std::ranges::find(keypoints, kNoPoint, &ExportedKeypoint::point) - keypoints.begin());
+    keypoints[beside].point = point.id;
+    point.track.push_back({id, beside});
+    std::ranges::sort(point.track);
+    ASSERT_TRUE(write_models(given, ExportFormat::kColmap, place("twice")));
+    const Outcome imported = run({"import", "--session", place("taken"), "--colmap-model",
+                                  place("twice/0"), "--images", photos()});
+    ASSERT_EQ(imported.exit_code, 0) << imported.errors;
+    ASSERT_EQ(run({"export", "--session", place("taken"), "--format", "colmap", "--output",
+                   place("again")})
+                  .exit_code,
+              0);
+    const auto again = read_colmap_model(place("again/0"));
+    ASSERT_TRUE(again);
+    ASSERT_EQ(again->points.size(), given[0].points.size());
+    for (std::size_t p = 0; p < again->points.size(); ++p) {
+        EXPECT_EQ(again->points[p].track, given[0].points[p].track);
+        EXPECT_EQ(again->points[p].rgb, given[0].points[p].rgb);
+    }
+}
+
 TEST_F(ImportModel, WhatCannotBeTakenOverLeavesNoSession) {
     const std::string images = test::file_bytes(fs::path(place("given/0")) / "images.bin");
     test::put_file(fs::path(place("cut")) / "images.bin", images.substr(0, images.size() / 2));

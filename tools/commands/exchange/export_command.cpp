@@ -132,8 +132,10 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (!config.ok()) {
         std::cerr << "psfm: " << config.error().message << "; images have the session's numbers\n";
     } else if (colmap && !config->image_ids.empty()) {
-        for (ExportedModel& model : *models)
+        for (ExportedModel& model : *models) {
+            add_repeated(model, config->repeated_observations);
             model = renumbered(std::move(model), config->image_ids, config->camera_ids);
+        }
     }
     const auto written = write_models(*models, *format, arguments.output, options);
     if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);

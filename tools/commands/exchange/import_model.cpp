@@ -122,7 +122,7 @@ void remove_abandoned(const fs::path& place) {
 
 /// Makes the session beside its place, and moves it there.
 std::optional<Failure> make_session(const SessionArguments& session, const ForeignModel& foreign,
-                                    const SessionConfig& config, BegunSession& begun) {
+                                    SessionConfig config, BegunSession& begun) {
     const fs::path place = session.session;
     remove_abandoned(place);
     const fs::path beside = place.string() + std::string(kImporting) + std::to_string(getpid());
@@ -142,6 +142,9 @@ std::optional<Failure> make_session(const SessionArguments& session, const Forei
             return Failure{made.error()};
         }
         begun = *std::move(made);
+        config.repeated_observations = begun.repeated_observations;
+        kept = (*store)->put_settings({foreign.photo_folder.string(), encode_config(config)});
+        if (!kept.ok()) return Failure{kept.error(), ErrorOrigin::kSession};
     }
     fs::remove(place, failure);  // an empty folder
     fs::rename(beside, place, failure);
@@ -157,10 +160,6 @@ void print_begun(const BegunSession& begun) {
               << " points, " << begun.pairs << " verified pairs, in "
               << counted(begun.clusters, "cluster") << '\n'
               << std::flush;
-    if (begun.repeated_observations > 0) {
-        std::cerr << "psfm: " << counted(begun.repeated_observations, "observation")
-                  << " left out: their points are seen twice in an image, and once here\n";
-    }
     if (!begun.unlike.empty()) {
         std::cerr << "psfm: " << counted(begun.unlike.size(), "photograph") << " ("
                   << begun.unlike.front() << (begun.unlike.size() > 1 ? ", …" : "")
