@@ -104,6 +104,10 @@ void LiveSession::run() {
         looks_again_ = false;
         lock.unlock();
         if (!scene) scene = scene_version();
+        if (!scene) {  // nothing can be read yet
+            lock.lock();
+            continue;
+        }
         look(scene, !woken);
         exact = !woken;
         if (woken) last = Clock::now();

@@ -161,9 +161,10 @@ class Api(unittest.TestCase):
         os.kill(decoder, signal.SIGSEGV)  # as a hole in a decoder would end it
         for data in broken:
             self.assertEqual(server.put(data)[0], 201)
+        # Told at once, and not with the next photograph that makes a version.
+        self.wait_for(lambda: server.json("/session")["counts"]["rejected"] == 4, 30)
         for photo in self.photos:
             self.assertEqual(server.put(photo)[0], 201)
-        self.wait_for(lambda: server.json("/session")["counts"]["rejected"] == 4)
         self.wait_for(lambda: server.json("/session")["counts"]["placed"] == 6)
         states = {one["sha256"]: one["state"] for one in server.json("/photographs")["photographs"]}
         self.assertEqual([sha256 for sha256, state in states.items() if state == "rejected"],
