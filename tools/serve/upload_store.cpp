@@ -193,6 +193,7 @@ Result<std::unique_ptr<UploadStore>> UploadStore::open(const fs::path& session,
                                          error.message() + "; is the disk full?"};
     }
     if (const auto done = store->read_log(); !done.ok()) return done.error();
+    store->unfinished_ = UnfinishedUploads::found_in(store->folder_);
     return store;
 }
 
@@ -260,7 +261,9 @@ UploadStore::Admission UploadStore::admit(const Offer& offer) {
         return refuse(wait_problem(10, "many photographs wait to be looked at"));
     if (open_.size() >= limits_.at_once)
         return refuse(wait_problem(1, "many photographs are being sent at the moment"));
-    if (bytes_of_user_[offer.user] + offer.length > limits_.quota_bytes)
+    if (bytes_of_user_[offer.user] + unfinished_.bytes_beside(offer.user, offer.sha256) +
+            offer.length >
+        limits_.quota_bytes)
         return refuse(problem(507, "you have sent as much as one user may here"));
     struct statvfs disk {};
     if (::statvfs(folder_.c_str(), &disk) == 0 &&
@@ -269,6 +272,7 @@ UploadStore::Admission UploadStore::admit(const Offer& offer) {
         return refuse(problem(507, "the server's disk is nearly full"));
     }
     open_.insert(offer.sha256);
+    unfinished_.begin(offer.user, offer.sha256, offer.length);
     return {std::nullopt, std::make_unique<UploadSink>(*this, offer)};
 }
 
@@ -277,17 +281,24 @@ void UploadStore::release(const std::string& sha256) {
     open_.erase(sha256);
 }
 
+void UploadStore::give_up(const Offer& offer) {
+    std::error_code ignored;
+    fs::remove(part_of(offer.user, offer.sha256), ignored);
+    const std::lock_guard lock(mutex_);
+    unfinished_.end(offer.user, offer.sha256);
+}
+
 HttpResponse UploadStore::complete(const Offer& offer) {
     const fs::path part = part_of(offer.user, offer.sha256);
     const auto content = read_content(part);
     if (!content) return problem(503, "the server cannot read what it has written; try again");
     std::error_code ignored;
     if (content->sha256 != offer.sha256 || content->bytes != offer.length) {
-        fs::remove(part, ignored);
+        give_up(offer);
         return problem(422, "the bytes that came have another SHA-256; send them again");
     }
     if (!content->format) {
-        fs::remove(part, ignored);
+        give_up(offer);
         return problem(415,
                        "this is no photograph: JPEG, PNG, TIFF, WebP, BMP, HEIC, JPEG 2000 "
                        "and PNM are read");
@@ -317,6 +328,7 @@ HttpResponse UploadStore::complete(const Offer& offer) {
         return problem(507, "the server's disk is full; what was sent so far is kept");
     }
     bytes_of_user_[upload.user] += content->bytes;
+    unfinished_.end(upload.user, upload.sha256);
     by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
     queue_.push_back({file, upload.file});
     uploads_.push_back(std::move(upload));

@@ -16,6 +16,7 @@
 #include "graph/result.h"
 #include "scheduler/flow/run_session.h"
 #include "tools/serve/http.h"
+#include "tools/serve/unfinished_uploads.h"
 
 namespace psfm {
 
@@ -87,6 +88,7 @@ class UploadStore {
     friend class UploadSink;
     UploadStore(std::filesystem::path session, const UploadLimits& limits);
     Result<void> read_log();
+    void give_up(const Offer& offer);
     /// Once all bytes are in the file. On the disk thread.
     HttpResponse complete(const Offer& offer);
     void release(const std::string& sha256);
@@ -98,7 +100,8 @@ class UploadStore {
     std::vector<Upload> uploads_;
     std::map<std::string, std::size_t> by_sha256_, by_file_;
     std::map<std::uint32_t, std::uint64_t> bytes_of_user_;
-    std::set<std::string> open_;  // hashes that somebody sends at present
+    UnfinishedUploads unfinished_;  // count for the quota, too
+    std::set<std::string> open_;    // hashes that somebody sends at present
     std::deque<PhotoFile> queue_;
 };
 

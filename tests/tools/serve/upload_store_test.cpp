@@ -96,6 +96,24 @@ TEST_F(UploadStoreTest, NobodySendsTheSameAtTheSameTime) {
     EXPECT_EQ(send(offer(kPhoto), kPhoto), 423U);
 }
 
+TEST_F(UploadStoreTest, WhatHasBegunToComeCountsForTheQuota) {
+    limits_.quota_bytes = kPhoto.size() + kPhoto.size() / 2;
+    reopen();
+    const std::string other = kPhoto + "x";
+    const std::string_view half = std::string_view(kPhoto).substr(0, kPhoto.size() / 2);
+    EXPECT_EQ(send(offer(kPhoto), half), 204U);
+    EXPECT_EQ(send(offer(other), other), 507U);
+    limits_.quota_bytes = kPhoto.size() + kPhoto.size() / 4;
+    reopen();  // also what an earlier process was sent
+    EXPECT_EQ(send(offer(other), other), 507U);
+    const auto part = folder_ / "photographs" / "1" / (sha256_hex(kPhoto) + ".part");
+    std::filesystem::last_write_time(
+        part, std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+    reopen();
+    EXPECT_FALSE(std::filesystem::exists(part));
+    EXPECT_EQ(send(offer(other), other), 201U);
+}
+
 TEST_F(UploadStoreTest, FullIsSaid) {
     limits_.quota_bytes = kPhoto.size();
     reopen();
