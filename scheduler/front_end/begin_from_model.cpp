@@ -44,7 +44,6 @@ class Numbers {
     std::map<std::uint32_t, std::uint32_t> camera_;
 };
 
-/// The model as a solution of one cluster.
 /// COLMAP lets a point be seen twice in one image; the first feature counts here. Moves the others
 /// out of an ascending track. @param repeated  for SessionConfig: see there
 void take_repeated(std::vector<Observation>& track, std::vector<std::uint32_t>& repeated) {
@@ -60,7 +59,7 @@ void take_repeated(std::vector<Observation>& track, std::vector<std::uint32_t>& 
     });
 }
 
-/// @param repeated  takes up what is left out
+/// The model as a solution of one cluster. @param repeated  takes up what is left out
 std::shared_ptr<const Reconstruction> reconstruction_of(const ExportedModel& model,
                                                         const Numbers& numbers,
                                                         std::vector<std::uint32_t>& repeated) {

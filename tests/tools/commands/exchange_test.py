@@ -160,6 +160,11 @@ class Exchange(unittest.TestCase):
         few = self.photos(self.folder / "few", self.names[:2])
         self.ends(BAD_INPUT, "run", few, "--session", self.folder / "other", "--dataset", self.folder / "none")
         self.assertFalse((self.folder / "none").exists())
+        self.assertIn("advice    its cluster has too few images: ", self.ends(0, "status", "--session", self.folder / "other"))
+        # What came by `psfm serve` lies in the session itself.
+        shutil.move(photos, self.session / "photographs")
+        self.ends(0, "export", "--session", self.session, "--format", "dataset", "--output", self.folder / "served")
+        self.assertEqual(len(list((self.folder / "served/0/images").iterdir())), 8)
 
     def test_a_data_set_below_the_photographs_is_none_of_them(self):
         photos = self.photos(self.folder / "photos", self.names[:8])

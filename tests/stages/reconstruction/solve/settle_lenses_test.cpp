@@ -96,5 +96,24 @@ TEST(SettleLenses, AFocalLengthMayChangeWhereTheSceneDeterminesIt) {
               CameraModel::kRadial);
 }
 
+TEST(SettleLenses, FlatLandWhoseFocalLengthNothingHoldsKeepsItsModel) {
+    // Seen straight down through a lens that one coefficient does not describe: the nearer to wide
+    // angle the better, to where no camera is.
+    synthetic::SceneOptions flight;
+    flight.points.surface = synthetic::Surface::kGround;
+    flight.points.extent = {16.0, 16.0, 0.0};
+    flight.points.relief = 0.2;
+    flight.points.count = 4000;
+    flight.cameras = {
+        .path = synthetic::Path::kGrid, .count = kImages, .radius = 3.0, .height = 6.0};
+    flight.cameras.turn_sigma_deg = 0.5;
+    flight.cameras.model = CameraModel::kRadial;
+    flight.cameras.k1 = 0.04;
+    flight.cameras.k2 = -0.08;
+    const SyntheticScene scene =
+        synthetic::add_pixel_noise(synthetic::make_scene(flight, 5), 0.15, 6);
+    EXPECT_TRUE(validate(settled(scene, {}).camera).ok());
+}
+
 }  // namespace
 }  // namespace psfm

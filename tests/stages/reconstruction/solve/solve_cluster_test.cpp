@@ -49,38 +49,6 @@ TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
     EXPECT_LT(error.max_rotation_deg, 0.1);
 }
 
-TEST(SolveCluster, FlatLandWhoseFocalLengthNothingHoldsKeepsItsModel) {
-    // Seen straight down through a lens that one coefficient does not describe: the nearer to wide
-    // angle the better, to where no camera is.
-    synthetic::SceneOptions flight;
-    flight.points.surface = synthetic::Surface::kGround;
-    flight.points.extent = {16.0, 16.0, 0.0};
-    flight.points.relief = 0.2;
-    flight.points.count = 4000;
-    flight.cameras = {.path = synthetic::Path::kGrid, .count = 14, .radius = 3.0, .height = 6.0};
-    flight.cameras.turn_sigma_deg = 0.5;
-    flight.cameras.model = CameraModel::kRadial;
-    flight.cameras.k1 = 0.04;
-    flight.cameras.k2 = -0.08;
-    const SyntheticScene scene =
-        synthetic::add_pixel_noise(synthetic::make_scene(flight, 5), 0.15, 6);
-    ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
-    Reconstruction model = synthetic::true_reconstruction(scene);
-    for (auto* cameras : {&problem.cameras, &model.cameras}) {
-        for (auto& [id, camera] : *cameras) {
-            camera.model = CameraModel::kSimpleRadial;
-            camera.params[4] = 0.0;
-            camera.focal_source = FocalSource::kEstimated;
-        }
-    }
-    problem.recycled = {std::make_shared<const Reconstruction>(model)};
-    problem.settle = true;
-    const auto solution = solve_cluster(problem, {});
-    ASSERT_TRUE(solution.ok()) << solution.error().message;
-    EXPECT_EQ(solution->model->images.size(), 14U);
-    EXPECT_TRUE(validate(solution->model->cameras.begin()->second).ok());
-}
-
 TEST(SolveCluster, AFirstModelSettlesOnlyOnceNoPhotographFollows) {
     const SyntheticScene scene = noisy_ring(6, 1);
     ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
