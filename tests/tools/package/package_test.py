@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes psfm's packages for a Debian release and uses them on clean roots of it, as someone would who has nothing but
-that release: apt install, photographs to a data set, a photograph localised; a program that links the libraries.
+"""Makes psfm's packages for a release of Debian or Ubuntu and uses them on clean roots of it, as someone would who has
+nothing but that release: apt install, photographs to a data set, a photograph localised; a program that links the
+libraries.
 
-usage: package_test.py BUILD RELEASE [--dev]     (RELEASE: 12 or 13; --dev: libpsfm-dev, too, which takes a gigabyte)
+usage: package_test.py BUILD RELEASE [--dev]     (RELEASE: debian12, debian13 or ubuntu24.04; --dev: libpsfm-dev, too,
+                                                  which takes a gigabyte)
 
 The release that the test runs on is built for here, others in a root of theirs; what was compiled and downloaded stays
-in build/package. Exit code 77: mmdebstrap or Debian's archive is not there.
+in build/package. Exit code 77: mmdebstrap, the release's archive or its key is not there. Ubuntu's key comes with the
+package ubuntu-keyring, or PSFM_UBUNTU_KEYRING names the file. PSFM_MIRROR: another archive than mmdebstrap's own.
 """
 import json
 import os
@@ -15,12 +18,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import urllib.request
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-MIRROR = os.environ.get("PSFM_DEBIAN_MIRROR", "http://deb.debian.org/debian")
-SUITES = {"12": "bookworm", "13": "trixie"}
+MIRROR = [os.environ["PSFM_MIRROR"]] if "PSFM_MIRROR" in os.environ else []
+UBUNTU_KEYRING = Path(os.environ.get("PSFM_UBUNTU_KEYRING", "/usr/share/keyrings/ubuntu-archive-keyring.gpg"))
+# The suite, and what mmdebstrap is told of it.
+RELEASES = {"debian12": ("bookworm", []),
+            "debian13": ("trixie", []),
+            "ubuntu24.04": ("noble", ["--components=main,universe", f"--keyring={UBUNTU_KEYRING}"])}
 SKIPPED = 77
 
 # What a user does on a clean system. Everything else that is in there has come by apt as a dependency of psfm.
@@ -67,18 +73,29 @@ def run(*words, **options):
 def running_release():
     lines = Path("/etc/os-release").read_text(encoding="utf-8").splitlines()
     values = dict(line.split("=", 1) for line in lines if "=" in line)
-    return values.get("VERSION_ID", "").strip('"') if values.get("ID") == "debian" else ""
+    return values.get("ID", "").strip('"') + values.get("VERSION_ID", "").strip('"')
 
 
 class Release:
-    def __init__(self, number):
-        self.number, self.suite = number, SUITES[number]
+    def __init__(self, name):
+        self.name = name
+        self.suite, self.options = RELEASES[name]
         self.kept = ROOT / "build/package"
-        self.packages = self.kept / f"debian{number}"
+        self.packages = self.kept / name
+
+    def what_is_missing(self):
+        """In words; None: roots of the release can be made here."""
+        if shutil.which("mmdebstrap") is None:
+            return "mmdebstrap is not installed: tools/install-packages --package"
+        if self.name.startswith("ubuntu") and not UBUNTU_KEYRING.exists():
+            return f"{UBUNTU_KEYRING} is not there: it comes with the package ubuntu-keyring"
+        tried = subprocess.run(["mmdebstrap", "--simulate", "--variant=essential", *self.options, self.suite, "/dev/null",
+                                *MIRROR], capture_output=True, text=True, check=False)
+        return None if tried.returncode == 0 else f"no root of {self.name} can be made:\n{tried.stderr}"
 
     def in_root(self, script, hooks_in, hooks_out, include=()):
         """Runs a script in a new root of the release, with files taken in before and out after it, even if it fails."""
-        archives = self.kept / f"archives{self.number}"
+        archives = self.kept / f"archives-{self.name}"
         archives.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
             file.write(script)
@@ -98,14 +115,14 @@ class Release:
                      '--customize-hook=rm -f "$1"/var/cache/apt/archives/*.deb']
             if include:
                 words.append("--include=" + ",".join(include))
-            run(*words, self.suite, "/dev/null", MIRROR)
+            run(*words, *self.options, self.suite, "/dev/null", *MIRROR)
 
     def make(self):
-        if self.number == running_release():
+        if self.name == running_release():
             run(ROOT / "tools/package/make-packages", self.packages)
             return
         packages = subprocess.run([ROOT / "tools/install-packages", "--list"], capture_output=True, text=True, check=True)
-        ccache = self.kept / f"ccache{self.number}"
+        ccache = self.kept / f"ccache-{self.name}"
         ccache.mkdir(parents=True, exist_ok=True)
         self.packages.mkdir(parents=True, exist_ok=True)
         fetched = ROOT / "build/npm"  # three.js, so that the root need not reach npm's registry
@@ -161,18 +178,12 @@ def use(release, psfm, photographs, folder):
 
 
 def main():
-    build, number = Path(sys.argv[1]).resolve(), sys.argv[2]
-    if shutil.which("mmdebstrap") is None:
-        print("mmdebstrap is not installed: tools/install-packages --package")
+    build, release = Path(sys.argv[1]).resolve(), Release(sys.argv[2])
+    if missing := release.what_is_missing():
+        print(missing)
         return SKIPPED
-    try:
-        urllib.request.urlopen(f"{MIRROR}/dists/{SUITES[number]}/Release", timeout=60).close()
-    except OSError as error:
-        print(f"{MIRROR} cannot be reached: {error}")
-        return SKIPPED
-    release = Release(number)
     release.make()
-    if number == running_release() and shutil.which("lintian"):
+    if release.name == running_release() and shutil.which("lintian"):
         run("lintian", "--fail-on", "error,warning", "--suppress-tags", "bogus-mail-host,bogus-mail-host-in-debian-changelog",
             release.package("psfm"),
             release.package("libpsfm-dev"))
@@ -185,12 +196,12 @@ def main():
         use(release, build / "psfm", photographs, folder / "used")
         if "--dev" in sys.argv:
             release.in_root(LINK, [f"copy-in {release.package('libpsfm-dev')} {ROOT / 'tests/consumer'} /root"], [])
-    print(f"{release.package('psfm').name}: installed, used and removed on a clean Debian {number}")
+    print(f"{release.package('psfm').name}: installed, used and removed on a clean {release.name}")
     return 0
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4):
+    if len(sys.argv) not in (3, 4) or sys.argv[2] not in RELEASES:
         print(__doc__)
         sys.exit(2)
     sys.exit(main())
