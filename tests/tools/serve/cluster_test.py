@@ -55,7 +55,7 @@ class Cluster:
         self.acknowledged = {}  # by hash: the user
         self.refusals = 0
         self.status_seconds = []
-        self.committed = {}  # by version: when the engine said so
+        self.committed = {}  # by version, and by the name of an image: when the engine said so
         self.over = False
         self.processor = 0.0
 
@@ -132,7 +132,9 @@ class Cluster:
                 at += len(whole)
                 for line in whole.splitlines():
                     if b'"version":' in line:
-                        self.committed.setdefault(json.loads(line)["version"], time.time())
+                        said = json.loads(line)
+                        self.committed.setdefault(said["version"], time.time())
+                        self.committed.setdefault(said.get("name"), time.time())
             time.sleep(0.01)
 
     def run(self):
@@ -185,13 +187,16 @@ class Cluster:
         gltf = sum(file.stat().st_size for file in (self.folder / "gltf").rglob("*") if file.is_file())
         watchers = watched["watchers"]
         late = sorted(min(at for at, told in watched["versions"] if told >= version) - when
-                      for version, when in self.committed.items() if any(told >= version for _, told in watched["versions"]))
+                      for version, when in self.committed.items()
+                      if isinstance(version, int) and any(told >= version for _, told in watched["versions"]))
+        states = sorted(at - self.committed[name] for name, at in watched["images"].items() if name in self.committed)
         took = sorted(self.status_seconds)
         part = lambda values, share: round(values[min(len(values) - 1, int(share * len(values)))], 3) if values else None
         print(json.dumps({
             "photographs": total, "seconds": round(seconds, 1), "placed": status["placed"], "refusals": self.refusals,
             "server_processor_seconds": round(self.processor, 1), "status_requests": len(took),
             "status_seconds": {"median": part(took, 0.5), "p99": part(took, 0.99)},
+            "states_after_seconds": {"median": part(states, 0.5), "p95": part(states, 0.95)},
             "versions_after_seconds": {"median": part(late, 0.5), "p95": part(late, 0.95)},
             "watchers": len(watchers), "points": watchers[0]["points"], "changes": watchers[0]["changes"],
             "snapshots": watchers[0]["scenes"], "watcher_bytes": watchers[0]["bytes"], "gltf_bytes": gltf,

@@ -16,6 +16,7 @@
 #include <atomic>
 #include <chrono>
 #include <iostream>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -163,6 +164,7 @@ class Watcher {
     std::size_t bytes = 0, scenes = 0, changes = 0, breaks = 0, points = 0;
     std::string difference;
     std::vector<std::pair<double, std::uint64_t>> versions;  // told of, and when
+    std::map<std::string, double> images;                    // first told of, by name
 
   private:
     void follow() {
@@ -196,6 +198,10 @@ class Watcher {
         if (kind == "version") {
             const json version = json::parse(value("data"));
             versions.emplace_back(now(), version["version"].get<std::uint64_t>());
+        }
+        if (kind == "image" && !decodes_) {
+            const json image = json::parse(value("data"));
+            images.emplace(image["name"].get<std::string>(), now());
         }
         if (decodes_ && (kind == "version" || kind == "reset")) catch_up(data);
         last_id_ = value("id");
@@ -280,7 +286,10 @@ int watch(std::uint16_t port, std::size_t count, const std::string& token) {
                        {"points", one->points},
                        {"difference", one->difference}});
     }
-    std::cout << json{{"watchers", all}, {"versions", listener.versions}} << '\n';
+    std::cout << json{{"watchers", all},
+                      {"versions", listener.versions},
+                      {"images", listener.images}}
+              << '\n';
     return 0;
 }
 
