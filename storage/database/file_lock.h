@@ -48,7 +48,8 @@ class SessionLock {
     FileHandle file_;
 };
 
-/// A reader's own folder beside the writer: SESSION/secondary/PID-N, removed at the end.
+/// A reader's own folder beside the writer: SESSION/secondary/PID-N, or one among the temporary
+/// files where the reader may not write into the session. Removed at the end.
 class ReaderFolder {
   public:
     /// @errors kNoSpace, kIo

@@ -29,21 +29,43 @@ bool still_there(const fs::path& path, const FileHandle& handle) {
            by_path.st_ino == by_handle.st_ino && by_path.st_dev == by_handle.st_dev;
 }
 
+Error cannot_make(const fs::path& path) {
+    return system_error("cannot make " + quoted(path) + " (a reader needs a folder of its own)",
+                        errno);
+}
+
+/// Whether the reader may read the session and write nothing into it.
+bool is_read_only(int error_number) {
+    return error_number == EACCES || error_number == EROFS || error_number == EPERM;
+}
+
+/// A new folder among the temporary files. No writer looks there, so that nobody takes it away.
+Result<fs::path> make_temporary() {
+    std::error_code failure;
+    fs::path pattern = fs::temp_directory_path(failure);
+    if (failure) pattern = "/tmp";
+    std::string name = (pattern / "psfm-reader-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) return cannot_make(name);
+    return fs::path(name);
+}
+
 }  // namespace
 
 Result<ReaderFolder> ReaderFolder::make(const fs::path& session) {
     const fs::path parent = session / kReadersFolder;
-    const auto failed = [](const fs::path& path) {
-        return system_error(
-            "cannot make " + quoted(path) + " (a reader needs a folder in the session)", errno);
+    const auto elsewhere = [&](const fs::path& path) -> Result<ReaderFolder> {
+        if (!is_read_only(errno)) return cannot_make(path);
+        auto made = make_temporary();
+        if (!made.ok()) return made.error();
+        return ReaderFolder(*made, open_folder(*made));
     };
-    if (::mkdir(parent.c_str(), 0755) != 0 && errno != EEXIST) return failed(parent);
+    if (::mkdir(parent.c_str(), 0755) != 0 && errno != EEXIST) return elsewhere(parent);
     constexpr int kMaxReaders = 100'000;  // Guard: ends the search for a free name
     for (int n = 0; n < kMaxReaders; ++n) {
         const fs::path path = parent / (std::to_string(getpid()) + "-" + std::to_string(n));
         if (::mkdir(path.c_str(), 0755) != 0) {
             if (errno == EEXIST) continue;
-            return failed(path);
+            return elsewhere(path);
         }
         FileHandle handle = open_folder(path);
         if (!handle.is_open()) continue;

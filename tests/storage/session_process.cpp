@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Another process for the tests of the session store.
-//   session_process hold FOLDER         opens for writing, prints "ready", waits for its input to
-//   end session_process write FOLDER COUNT  opens, commits images up to COUNT, printing each one's
-//   number
-//                                       when all its commits have returned
+//   session_process hold FOLDER         opens for writing, prints "ready", waits for its input
+//   session_process read FOLDER         reads as someone who may not write, prints how many images
+//   session_process write FOLDER COUNT  opens, commits images up to COUNT, printing each one's
+//                                       number when all its commits have returned
 //   session_process leave FOLDER COUNT  the same, then dies without closing the store
 //   session_process grow FOLDER COUNT   a new session of COUNT images, solutions stored as changes
 #include <unistd.h>
@@ -23,11 +23,23 @@ int fail(const std::string& message) {
     return EXIT_FAILURE;
 }
 
+int read_as_nobody(const std::string& folder) {
+    constexpr uid_t kNobody = 65534;
+    if (geteuid() == 0 && setuid(kNobody) != 0) return fail("cannot become nobody");
+    const auto reader = psfm::open_session_reader(folder, {});
+    if (!reader) return fail(reader.error().message);
+    const auto images = (*reader)->images();
+    if (!images) return fail(images.error().message);
+    std::printf("%zu\n", images->size());
+    return EXIT_SUCCESS;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 3) return fail("usage: session_process hold|write|leave|grow FOLDER [COUNT]");
+    if (argc < 3) return fail("usage: session_process hold|read|write|leave|grow FOLDER [COUNT]");
     const std::string command = argv[1];
+    if (command == "read") return read_as_nobody(argv[2]);
     auto store = psfm::SessionStore::open(argv[2], {});
     if (!store) return fail(store.error().message);
     if (command == "hold") {

@@ -54,6 +54,26 @@ TEST(SessionReader, ReadsASessionThatNobodyWrites) {
     EXPECT_EQ(testing::difference(**reader), "");
 }
 
+TEST(SessionReader, ReadsASessionThatItMayNotWriteTo) {
+    const TemporaryFolder folder;
+    {
+        const auto store = SessionStore::open(folder.session(), {});
+        ASSERT_TRUE(store.ok());
+        for (std::uint32_t image = 0; image < 5; ++image) {
+            ASSERT_TRUE(testing::commit_all(**store, image));
+        }
+    }
+    const auto may_read = fs::perms::owner_read | fs::perms::owner_exec | fs::perms::group_read |
+                          fs::perms::group_exec | fs::perms::others_read | fs::perms::others_exec;
+    fs::permissions(folder.path(), fs::perms::owner_all | may_read);
+    fs::permissions(folder.session(), may_read);
+    ChildProcess reader({"read", folder.session().string()});
+    EXPECT_EQ(reader.read_line(), "5");
+    EXPECT_EQ(reader.finish(), 0);
+    EXPECT_FALSE(fs::exists(folder.session() / kReadersFolder));
+    fs::permissions(folder.session(), fs::perms::owner_all);
+}
+
 TEST(SessionReader, FollowsABusyWriterInAnotherProcess) {
     const TemporaryFolder folder;
     constexpr std::uint32_t kImages = 60;

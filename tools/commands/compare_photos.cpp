@@ -13,6 +13,7 @@
 #include "stages/features/photographs/photo_mask.h"
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/small_copies.h"
+#include "tools/commands/console/mask_report.h"
 #include "tools/commands/console/wording.h"
 #include "tools/commands/session_runner.h"
 
@@ -21,21 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNaming =
-    "; the mask of a.jpg is a.jpg.png, a_mask.png or a.png, in the same sub-folder";
-
 void tell(const std::string& line) {
     std::cerr << "psfm: " << line << '\n';
-}
-
-/// "a, b, c and 7 more"
-std::string some_of(const std::vector<std::string>& names) {
-    constexpr std::size_t kShown = 5;  // Format: names in a message
-    std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
-        list += (i == 0 ? "" : ", ") + names[i];
-    if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
-    return list;
 }
 
 /// Files among the photographs that look like masks, and are not in the folder that was given.
@@ -73,19 +61,6 @@ void tell_of_late_masks(const std::string& masks, const std::vector<Image>& imag
          some_of(late) + "; 'psfm remove --again' them, and run");
 }
 
-Result<void> tell_of_masks(const std::string& masks, const std::vector<PhotoFile>& photos,
-                           const std::vector<Image>& images) {
-    std::vector<PhotoFile> all = photos;
-    for (const Image& image : images) all.push_back({fs::path(), image.name});
-    const auto use = match_masks(masks, all);
-    if (!use.ok()) return use.error();
-    if (!use->unused.empty()) {
-        tell("MASKS WITHOUT A PHOTOGRAPH in " + masks + ": " + some_of(use->unused) + kNaming);
-    }
-    if (use->masked == 0) tell("no photograph has a mask in " + masks + kNaming);
-    return {};
-}
-
 }  // namespace
 
 Result<void> compare_photos(RunRequest& request, const SessionReader& store, bool names_masks) {
@@ -109,7 +84,9 @@ Result<void> compare_photos(RunRequest& request, const SessionReader& store, boo
     if (const auto listing = list_photos(request.input); listing.ok()) all = listing->photos;
     tell_of_masks_aside(set_masks_aside(all, masks), masks);
     if (!masks.empty()) {
-        const auto told = tell_of_masks(masks, all, images);
+        std::vector<PhotoFile> masked = all;
+        for (const Image& image : images) masked.push_back({fs::path(), image.name});
+        const auto told = tell_of_masks(masks, masked);
         if (!told.ok() && names_masks) return told;
         if (!told.ok()) tell(told.error().message + "; photographs are taken in without masks");
         if (names_masks) tell_of_late_masks(masks, images, *sources);

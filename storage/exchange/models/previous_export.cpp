@@ -11,9 +11,12 @@ constexpr const char* kListName = ".psfm-export";
 
 }  // namespace
 
-Result<PreviousExport> PreviousExport::read(const std::filesystem::path& folder) {
+Result<PreviousExport> PreviousExport::take(const std::filesystem::path& folder) {
     PreviousExport previous;
     previous.folder_ = folder;
+    auto lock = LockedFolder::take(folder);
+    if (!lock.ok()) return lock.error();
+    previous.lock_ = *std::move(lock);
     std::error_code ignored;
     if (!std::filesystem::exists(folder / kListName, ignored)) return previous;
     auto input = TextInput::open(folder / kListName);

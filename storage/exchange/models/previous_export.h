@@ -7,17 +7,19 @@
 #include <string>
 
 #include "graph/result.h"
+#include "storage/exchange/files/locked_folder.h"
 #include "storage/exchange/files/staged_files.h"
 
 namespace psfm {
 
 /// Which files of an output folder psfm wrote: kept in the folder itself, in a file named
 /// `.psfm-export`, one relative path a line. Only these may be replaced or removed by a later
-/// export.
+/// export. Nobody else exports into the folder while the object lives.
 class PreviousExport {
   public:
-    /// An absent list is an empty one. @errors kUnreadable
-    static Result<PreviousExport> read(const std::filesystem::path& folder);
+    /// Makes the folder if need be. An absent list is an empty one.
+    /// @errors kUnreadable, and those of LockedFolder
+    static Result<PreviousExport> take(const std::filesystem::path& folder);
 
     /// Relative to the folder, '/' between parts.
     const std::set<std::string>& paths() const { return paths_; }
@@ -30,6 +32,7 @@ class PreviousExport {
   private:
     std::string relative(const std::filesystem::path& path) const;
 
+    LockedFolder lock_;
     std::filesystem::path folder_;
     std::set<std::string> paths_;
 };

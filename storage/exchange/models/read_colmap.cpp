@@ -14,6 +14,9 @@
 namespace psfm {
 namespace colmap {
 
+// Guard: no scene is as far from its origin; doubles there are a tenth of a millimetre apart.
+constexpr double kFarthest = 1e12;
+
 std::optional<std::string> problem_of(const Camera& camera) {
     if (camera.width == 0 || camera.height == 0) return "camera has no size";
     if (!std::ranges::all_of(camera.params, [](double p) { return std::isfinite(p); })) {
@@ -28,6 +31,8 @@ std::optional<std::string> problem_of_pose(Rigid3& cam_from_world) {
     if (!std::isfinite(norm) || norm < 1e-6) return "quaternion is zero or not finite";
     if (std::abs(norm - 1.0) > 1e-14) cam_from_world.rotation.normalize();
     if (!cam_from_world.translation.allFinite()) return "translation is not finite";
+    if (cam_from_world.translation.norm() > kFarthest)
+        return "camera is more than 1e12 from the origin";
     return std::nullopt;
 }
 

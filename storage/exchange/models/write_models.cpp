@@ -176,11 +176,7 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
                                                         ExportFormat format,
                                                         const std::filesystem::path& folder,
                                                         const WriteModelsOptions& options) {
-    if (is_there(folder) && !std::filesystem::is_directory(folder)) {
-        return Error{ErrorCode::kInvalidArgument,
-                     folder.string() + " is a file: choose another output folder"};
-    }
-    auto previous = PreviousExport::read(folder);
+    auto previous = PreviousExport::take(folder);
     if (!previous.ok()) return previous.error();
     StagedFiles files;
     if (auto settled = settle_previous(models.size(), format, folder, *previous, files);

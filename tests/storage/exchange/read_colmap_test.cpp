@@ -80,6 +80,7 @@ TEST_F(ReadColmap, DamagedTextNamesFileAndLine) {
     expect_damaged(kCameras + kCameras, kImages, kPoints, "id 1 occurs twice");
     expect_damaged(kCameras, nan_pose, "", "images.txt, line 1");
     expect_damaged(kCameras, "1 0 0 0 0 0 0 0 1 a.jpg\n\n", "", "quaternion is zero");
+    expect_damaged(kCameras, "1 1 0 0 0 0 1e300 0 1 a.jpg\n\n", "", "1e12 from the origin");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1\n\n", "", "images.txt, line 1");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 9 a.jpg\n\n", "", "camera 9");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n1 2\n", "", "images.txt, line 2");

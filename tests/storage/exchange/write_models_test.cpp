@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "storage/exchange/models/previous_export.h"
 #include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
 #include "tests/storage/exchange/models_equal.h"
@@ -97,6 +98,22 @@ TEST(WriteModels, ModelsOfOthersAreNotTouched) {
     }
 }
 
+TEST(WriteModels, OneAtATimeWritesIntoAFolder) {
+    const test::TemporaryFolder folder;
+    const auto output = folder.path() / "new" / "deep";
+    {
+        const auto other = PreviousExport::take(output);
+        ASSERT_TRUE(other.ok());
+        const auto refused = write_models(example_models(1), ExportFormat::kColmap, output);
+        ASSERT_FALSE(refused.ok());
+        EXPECT_EQ(refused.error().code, ErrorCode::kInUse);
+        EXPECT_NE(refused.error().message.find(output.string()), std::string::npos);
+    }
+    // It wrote nothing, so that nothing is left of it.
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "new"));
+    EXPECT_TRUE(write_models(example_models(1), ExportFormat::kColmap, output).ok());
+}
+
 TEST(WriteModels, FullDiskLeavesTheEarlierExportAsItWas) {
     const test::TemporaryFolder folder;
     const auto earlier = example_models(1);
@@ -122,7 +139,7 @@ TEST(WriteModels, OutputThatCannotBeAFolder) {
     const auto below = write_models(models, ExportFormat::kPly, folder.path() / "file" / "below");
     EXPECT_EQ(below.error().code, ErrorCode::kInvalidArgument);
     const std::string in_the_way = (folder.path() / "file").string();
-    EXPECT_TRUE(below.error().message.starts_with(in_the_way + " cannot be written"))
+    EXPECT_TRUE(below.error().message.starts_with(in_the_way + " is a file"))
         << below.error().message;
     EXPECT_EQ(test::count_files(folder.path()), 1U);
 }

@@ -171,7 +171,9 @@ TEST_F(ExportDataset, MasksGoWherePicturesGo) {
     cv::imwrite(place("masks/a/photo.jpg.png").string(), quarter);
     const std::vector<std::string> options{"--mask-folder", place("masks").string(), "--reduced",
                                            "2"};
-    ASSERT_EQ(export_to("data", options).exit_code, 0);
+    const auto masked = export_to("data", options);
+    ASSERT_EQ(masked.exit_code, 0);
+    EXPECT_EQ(masked.errors.find("PHOTOGRAPH"), std::string::npos) << masked.errors;
     const auto mask_of = [&](const std::string& name) {
         return cv::imread((place("data/0/masks") / name).string(), cv::IMREAD_GRAYSCALE);
     };
@@ -195,6 +197,12 @@ TEST_F(ExportDataset, MasksGoWherePicturesGo) {
     cv::imwrite(place("masks/seven.png").string(), quarter);
     EXPECT_NE(export_to("data", options).output.find("1 picture written"), std::string::npos);
     EXPECT_NEAR(visible(mask_of("seven.png")), 0.75, 0.03);
+    // A folder whose masks fit nothing is told of.
+    fs::create_directories(place("others"));
+    cv::imwrite(place("others/stranger.png").string(), quarter);
+    const auto others = export_to("data", {"--mask-folder", place("others").string()});
+    EXPECT_NE(others.errors.find("MASKS WITHOUT A PHOTOGRAPH"), std::string::npos) << others.errors;
+    EXPECT_NE(others.errors.find("no photograph has a mask"), std::string::npos) << others.errors;
     // Without them they go.
     ASSERT_EQ(export_to("data").exit_code, 0);
     EXPECT_FALSE(fs::exists(place("data/0/masks/six.png")));

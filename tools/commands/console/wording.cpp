@@ -21,6 +21,15 @@ std::string counted(std::uint64_t count, std::string_view noun) {
     return std::to_string(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
 }
 
+std::string some_of(const std::vector<std::string>& names) {
+    constexpr std::size_t kShown = 5;  // Format: names in a message
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
+        list += (i == 0 ? "" : ", ") + names[i];
+    if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
+    return list;
+}
+
 std::string shell_word(std::string_view argument) {
     if (!argument.empty() && std::ranges::all_of(argument, means_itself))
         return std::string(argument);

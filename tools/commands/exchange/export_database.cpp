@@ -81,11 +81,6 @@ std::optional<Failure> write_pairs(const SessionReader& session, const DatabaseC
 /// What only psfm wrote is replaced.
 Result<void> check_output(const std::filesystem::path& file, const PreviousExport& previous) {
     std::error_code ignored;
-    const auto folder = file.parent_path();
-    if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder)) {
-        return Error{ErrorCode::kInvalidArgument,
-                     folder.string() + " is a file: choose another output folder"};
-    }
     if (std::filesystem::exists(file, ignored) && !previous.wrote(file)) {
         return Error{
             ErrorCode::kInvalidArgument,
@@ -97,7 +92,7 @@ Result<void> check_output(const std::filesystem::path& file, const PreviousExpor
 std::optional<Failure> write_database(const SessionReader& session,
                                       const DatabaseContents& contents,
                                       const std::filesystem::path& file, Totals& totals) {
-    auto previous = PreviousExport::read(file.parent_path());
+    auto previous = PreviousExport::take(file.parent_path());
     if (!previous.ok()) return of_output(previous.error());
     if (auto checked = check_output(file, *previous); !checked.ok())
         return of_output(checked.error());

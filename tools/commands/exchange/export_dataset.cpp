@@ -17,6 +17,7 @@
 #include "storage/exchange/models/write_dataset.h"
 #include "storage/exchange/models/write_models.h"
 #include "storage/session/session_store.h"
+#include "tools/commands/console/mask_report.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/console/wording.h"
@@ -372,13 +373,7 @@ int export_dataset(const std::string& session, const std::string& output,
     contents->session = session;
     if (const auto failure = check_parts(*contents, session, arguments))
         return report_error(failure->error, failure->origin);
-    std::error_code ignored;
-    if (std::filesystem::exists(output, ignored) && !std::filesystem::is_directory(output)) {
-        return report_error(
-            {ErrorCode::kInvalidArgument, output + " is a file: choose another output folder"},
-            ErrorOrigin::kOtherInput);
-    }
-    auto previous = PreviousExport::read(output);
+    auto previous = PreviousExport::take(output);
     if (!previous.ok()) return report_error(previous.error(), ErrorOrigin::kOtherInput);
     const ThreadBudget budget(arguments.threads);
     DatasetArguments asked = arguments;
@@ -387,6 +382,12 @@ int export_dataset(const std::string& session, const std::string& output,
     asked.reductions.erase(again.begin(), again.end());
     if (asked.reductions_as_before && asked.reductions.empty())
         asked.reductions = reductions_of(*previous);
+    if (!asked.mask_folder.empty()) {
+        std::vector<PhotoFile> photos;
+        for (const Image& image : contents->images) photos.push_back({{}, image.name});
+        if (auto told = tell_of_masks(asked.mask_folder, photos); !told.ok())
+            return report_error(told.error(), ErrorOrigin::kOtherInput);
+    }
     DatasetExport dataset(*contents, asked, output, *std::move(previous));
     const auto failure = dataset.run();
     if (failure) return report_error(failure->error, failure->origin);
