@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """tools/experiments: logs and models are read, steps planned, plots drawn and pages written as they should be."""
 import json
+import random
 import re
 import struct
 import sys
@@ -147,6 +148,10 @@ class Orders(Folder):
         # The same example is worked out in tests/tools/commands/photo_order_test.cpp.
         self.assertEqual(orders.shuffled_names(["c", "a", "b"], 1), ["b", "a", "c"])
 
+    def test_samples(self):
+        names = [f"{i}.jpg" for i in range(10, 29)]
+        self.assertEqual(orders.sampled_names(reversed(names), 8, 3), sorted(random.Random("38").sample(names, 8)))
+
     def test_order_files(self):
         names = ["b 1.jpg", "sub/a.jpg", "ä.jpg"]
         orders.write_order(self.folder / "order.txt", names)
@@ -261,6 +266,30 @@ else:
     sys.exit("unexpected: " + " ".join(words))
 """
 
+# Eight photographs: two wait, and what is wrong is not said. Eleven: nothing is wrong, and one part is said to be
+# doubtful. Fourteen: two parts, of which one is wrong and one cannot be aligned, and both are said to be doubtful.
+PSFM_OF_SUBSETS = """
+def count(): return int((value("--session") / "count").read_text())
+if words[0] == "run":
+    names = value("--order").read_text().split()
+    assert sorted(file.name for file in Path(words[1]).iterdir() if file.is_file()) == names
+    assert "--deterministic" not in words
+    value("--session").mkdir()
+    (value("--session") / "count").write_text(str(len(names)))
+    value("--log").write_text("")
+elif words[0] == "status":
+    waiting = {0: "look_alikes", 1: "no_seed"} if count() == 8 else {}
+    images = [dict(name=str(i), state="waiting" if i in waiting else "placed", reason=waiting.get(i, "placed"),
+                   part=None if i in waiting else int(count() == 14 and i < 5)) for i in range(count())]
+    weak = [dict(cluster=0, images=count(), reasons=["few_points"] + (["look_alikes"] if count() > 8 else []))]
+    print(json.dumps(dict(placed=count() - len(waiting), image_list=images, weak_models=weak)))
+elif words[0] == "evaluate":
+    models = {8: [(6, 2)], 11: [(11, 0)], 14: [(9, 3), (5, None)]}[count()]
+    print(json.dumps(dict(models=[dict(registered=images, outliers=wrong) for images, wrong in models])))
+else:
+    sys.exit("unexpected: " + " ".join(words))
+"""
+
 
 class Command(Folder):
     def run_tool(self, *arguments):
@@ -320,6 +349,27 @@ class Command(Folder):
                                         "--no-colmap")
         self.assertEqual(code, 0, errors)
         self.assertIn("psfm placed 4 of 4", (self.folder / "work/pages/cereal.md").read_text())
+
+    def test_subsets(self):
+        self.photographs("duplicates/street/images", 15)
+        (self.folder / "duplicates/street/reference").mkdir()
+        arguments = ("subsets", "--psfm", self.stand_in(PSFM_OF_SUBSETS), "--work", self.folder / "work")
+        code, _, errors = self.run_tool(*arguments, "--scenes", "street")
+        self.assertEqual(code, 0, errors)
+        page = (self.folder / "work/pages/subsets.md").read_text()
+        for row in ("| street | 18 | 186 | 6 | 60 | 12 | 6 | 6 |", "| street | 8 | 1 | 6 / 2 / 1 | 1 | **no** |",
+                    "| street | 11 | 6 | 11 / 0 / 1 | 0 | yes |", "| street | 14 | 2 | 14 / 8 / 2 | 0 | yes |"):
+            self.assertIn(row + "\n", page)
+        self.assertIn("A part of the table only", page)
+        self.assertNotIn("COLMAP", page)
+        self.assertNotIn(str(self.folder), page)
+        self.assertIn("(subsets.md)", (self.folder / "work/pages/README.md").read_text())
+
+        for wrong, status, named in ((("--images", "4"), 1, "--images"), (("--scenes", "kermit"), 2, "scene kermit"),
+                                     (("--modes", "default"), 2, "--modes is of `orders` alone")):
+            code, _, errors = self.run_tool(*arguments, *wrong)
+            self.assertEqual(code, status, errors)
+            self.assertIn(named, errors)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 import measurements
 import orders
 from order_table import LEAST, MODES, WAYS
-from report import again, number, paragraph, provenance, table
+from report import again, left_out, number, page_of, paragraph, provenance, table
 
 COLUMNS = 7  # orders beside one another
 MOST_NAMES = 12
@@ -122,21 +122,12 @@ def in_short(scenes, modes):
     return "In short: " + "; ".join(parts) + "."
 
 
-def _whole(settings):
-    """Said where the table is not: what was left out."""
-    chosen = {name: given for name, given in settings.parts().items() if given}
-    if not chosen and not settings.images:
-        return ""
-    words = [f"{name} {', '.join(given)}" for name, given in chosen.items()]
-    words += [f"the first {settings.images} images of each order"] if settings.images else []
-    return paragraph(f"**A part of the table only:** {'; '.join(words)}.")
-
-
 def write_order_page(settings, experiment, scenes):
     modes = [mode for mode in settings.modes or MODES if any(of == mode for scene in scenes for _, of in scene.cells)]
     done = [cell.result for scene in scenes for cell in scene.cells.values() if cell.result]
-    parts = [f"# {experiment.title}\n", paragraph(experiment.about), _whole(settings), paragraph(in_short(scenes, modes)),
-             provenance(settings, done) if done else "", "## How sessions end\n", paragraph(READING)]
+    parts = [f"# {experiment.title}\n", paragraph(experiment.about), left_out(settings),
+             paragraph(in_short(scenes, modes)), provenance(settings, done) if done else "", "## How sessions end\n",
+             paragraph(READING)]
     for mode in modes:
         parts.append(f"### In {mode} mode\n")
         parts += [_endings_table(scenes, mode, columns) for columns in _order_columns(scenes)]
@@ -146,5 +137,5 @@ def write_order_page(settings, experiment, scenes):
                         "`psfm status --json` and `psfm evaluate --reference REFERENCE --session SESSION "
                         "--every-image`.")]
     file = settings.output / f"{experiment.name}.md"
-    file.write_text("\n".join(part if part.endswith("\n") else part + "\n" for part in parts if part))
+    file.write_text(page_of(parts))
     return file

@@ -4,6 +4,7 @@
 import math
 import os
 from pathlib import Path
+from random import Random
 
 _N, _M = 312, 156
 _MASK = (1 << 64) - 1
@@ -50,6 +51,11 @@ def shuffled_names(names, seed):
         j = random() % (i + 1)
         names[i], names[j] = names[j], names[i]
     return names
+
+
+def sampled_names(names, count, seed):
+    """Some of the names, drawn by Python's own generator."""
+    return sorted_names(Random(f"{seed}{count}").sample(sorted_names(names), count))
 
 
 def read_order(file):

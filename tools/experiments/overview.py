@@ -43,6 +43,10 @@ another are added up.
 `orders`, the promise as a table, is none of the paper's: real scenes in many orders, in deterministic and in default
 mode, and whether they all end alike.
 
+`subsets` is none of the paper's either: a few photographs, drawn at random, of scenes with look-alikes. Often nothing
+in them tells two alike things apart; what counts is how many images stand wrong, and that psfm says which models are
+doubtful.
+
 ## Repeat
 
 ```
@@ -53,6 +57,7 @@ tools/experiments/run --list
 tools/experiments/run temple-unfortunate             # or all
 tools/experiments/run temple-shuffled --images 60    # the first 60 of each order, to try; writes into --work only
 tools/experiments/run orders --scenes street         # a part of the table; also --orders, --modes
+tools/experiments/run subsets --scenes street        # likewise; without --scenes, ten minutes
 ```
 
 `--work` (`build/experiments`) keeps sessions, logs and COLMAP's models. What is there already is used again, so that a

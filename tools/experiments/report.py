@@ -37,6 +37,11 @@ def table(head, rows, words=1):
     return "".join("| " + " | ".join(row) + " |\n" for row in [head, align, *rows])
 
 
+def page_of(parts):
+    """A page's text: parts with an empty line between them; what is empty is left out."""
+    return "\n".join(part if part.endswith("\n") else part + "\n" for part in parts if part)
+
+
 def _psfm_cells(program, order, psfm):
     final = psfm.rows[-1] if psfm.rows else measurements.Row(0)
     model = ((psfm.evaluation or {}).get("models") or [{}])[0]
@@ -169,23 +174,28 @@ def in_short(results):
     return "In short: " + "; ".join(parts) + "."
 
 
-def provenance(settings, results):
-    records = [result.psfm.record for result in results]
+def _one(values):
+    return " and ".join(sorted(set(values)))
 
-    def one(values):
-        return " and ".join(sorted(set(values)))
 
-    psfm = one(f"{record['psfm']['version']} ({record['psfm']['commit'] or record['psfm']['sha']})"
-               for record in records)
+def measured_when(records):
+    """When, with which psfm and where sessions were made: a sentence without its end."""
+    psfm = _one(f"{record['psfm']['version']} ({record['psfm']['commit'] or record['psfm']['sha']})"
+                for record in records)
     loads = [record["load"] for record in records]
     dates = sorted({record["date"] for record in records})
     span = dates[0] + (f" to {dates[-1]}" if len(dates) > 1 else "")
     load = f"{min(loads)}" + (f" to {max(loads)}" if max(loads) > min(loads) else "")
-    text = (f"Measured {span} with psfm {psfm} on {one(record['machine'] for record in records)}, where other programs "
-            f"made for a load of {load} when psfm was started: compare times as ratios. ")
+    machines = _one(record["machine"] for record in records)
+    return (f"Measured {span} with psfm {psfm} on {machines}, where other programs made for a load of {load} "
+            "when psfm was started")
+
+
+def provenance(settings, results):
+    text = measured_when([result.psfm.record for result in results]) + ": compare times as ratios. "
     colmaps = {result.colmap["version"] for result in results if result.colmap}
     if colmaps:
-        text += f"COLMAP {one(colmaps)} was fed the same verified matches in the same order"
+        text += f"COLMAP {_one(colmaps)} was fed the same verified matches in the same order"
         text += (f", up to {settings.colmap_until} images (`--colmap-until`). " if settings.colmap_until else ". ")
     elif settings.colmap and colmap_version() is None:
         text += "COLMAP is not installed there (`apt-get install colmap`), so there is nothing to compare with. "
@@ -194,6 +204,16 @@ def provenance(settings, results):
     if any(result.given.database and result.given.photographs for result in results):
         text += "The matches came from a database, as in the paper's experiments, and not from the photographs. "
     return paragraph(text)
+
+
+def left_out(settings):
+    """Said where a table is not whole: what it is of."""
+    chosen = {name: given for name, given in settings.parts().items() if given}
+    if not chosen and not settings.images:
+        return ""
+    words = [f"{name} {', '.join(given)}" for name, given in chosen.items()]
+    words += [f"the first {settings.images} images of each order"] if settings.images else []
+    return paragraph(f"**A part of the table only:** {'; '.join(words)}.")
 
 
 def again(settings, experiment):
@@ -225,5 +245,5 @@ def write_page(settings, experiment, results, plots):
                         (" and `$MATCHES` the folder of the database:" if settings.database else ":"))]
     parts += [commands_text(settings, result) for result in results]
     file = settings.output / f"{experiment.name}.md"
-    file.write_text("\n".join(part if part.endswith("\n") else part + "\n" for part in parts))
+    file.write_text(page_of(parts))
     return file

@@ -26,7 +26,7 @@ class Settings:
     colmap: bool = True
     colmap_until: int | None = None  # images after which COLMAP is not continued
     again: bool = False
-    # Of the table of orders: names; none: all of them.
+    # Of the tables of orders and, scenes only, of subsets: names; none: all of them.
     scenes: tuple = ()
     orders: tuple = ()
     modes: tuple = ()
@@ -92,6 +92,11 @@ def _ordered(names, order, order_file):
         return orders.shuffled_names(names, order[1])
     if kind == "names":
         return orders.sorted_names(names)
+    if kind == "sample":
+        _, count, seed = order
+        if count > len(names):
+            raise Failed(f"{count} photographs are to be drawn of {len(names)}; is the data set whole?")
+        return orders.sampled_names(names, count, seed)
     ordered = orders.read_order(order_file(order[1]))
     missing = sorted(set(ordered) - set(names))
     if missing:
