@@ -24,6 +24,8 @@ const char* describe(WaitReason reason) {
             return "what it has in common with others stands still in the photograph";
         case WaitReason::kTooFewFeatures:
             return "too few features in it";
+        case WaitReason::kLookAlikes:
+            return "it could show another thing that looks alike";
     }
     return "unknown";
 }
@@ -48,6 +50,8 @@ const char* name_of(WaitReason reason) {
             return "stands_still";
         case WaitReason::kTooFewFeatures:
             return "too_few_features";
+        case WaitReason::kLookAlikes:
+            return "look_alikes";
     }
     return "unknown";
 }

@@ -24,6 +24,7 @@ enum class WaitReason : std::uint8_t {
     kNoParallax = 6,          ///< its pairs show that the camera only turned: no depth follows
     kStandsStill = 7,         ///< what it has in common with others stands still in the photograph
     kTooFewFeatures = 8,      ///< hardly any feature was found in it
+    kLookAlikes = 9,          ///< what it matches could be another thing that looks alike
 };
 const char* describe(WaitReason reason);
 /// A word for programs: "no_parallax".

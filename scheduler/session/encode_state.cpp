@@ -105,7 +105,7 @@ Result<SceneSummary> decode_summary(const std::string& text) {
         summary.counts.version = whole_number_or<std::uint64_t>(object, "version", 0);
         for (const json& entry : object.at("waiting_images")) {
             const auto reason = whole_number<std::uint32_t>(entry.at(1));
-            if (reason > static_cast<std::uint32_t>(WaitReason::kTooFewFeatures)) continue;
+            if (reason > static_cast<std::uint32_t>(WaitReason::kLookAlikes)) continue;
             summary.waiting.emplace_back(
                 static_cast<ImageId>(whole_number<std::uint32_t>(entry.at(0))),
                 static_cast<WaitReason>(reason));

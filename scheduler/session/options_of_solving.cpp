@@ -145,6 +145,7 @@ constexpr std::array kSolvingOptions{
 
     PSFM_OPTION(solve.doubt.grid, 1, 64, "regions along each side of a photograph", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.clearly_less, 0, 1, "part of what is missing from one model that is missing from a better one", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.contested, 0, 1000, "what a model denies across a cut, over what it explains there, from which it is doubtful", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.few_shared, 0, kCount, "points below which a pair shares next to nothing", "verification.verify.min_inliers"),
     PSFM_OPTION(solve.doubt.less_explained, 0, 1, "part of the observations that a model has where less is missing", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.max_angle_deg, 0.01, 89, "directions from which a point is found again [deg]", "ours; docs/look-alikes.md"),
@@ -166,6 +167,8 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.doubt.missing_by_chance, 0, kCount, "regions that are missing from one of two models by chance", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.missing_penalty, 0, 10000.0, "how fast an edge loses weight with the part of regions missing across it", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.more_explained, 1, 1000, "factor of observations by which a better model explains more", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.outweighed, 0, 1000, "and from which its parts are kept apart, where they hang together by little", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.thin, 0, 1000, "which is less than this: squares of matches over those of the best edges", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.unknown_rate, 0.001, 1, "rate of points found again where a pair shares next to nothing", "ours; docs/look-alikes.md"),
 
     PSFM_OPTION(solve.assessment.joint_points, 0, kCount, "points by which two parts of a model hang together", "not tuned"),

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <map>
 
 #include "scheduler/session/session_state.h"
 
@@ -31,13 +32,47 @@ WaitReason reason_without_edges(const EdgeSelection& selection, ImageId image) {
                                                                        : WaitReason::kTooFewMatches;
 }
 
+/// Whether an image is kept apart from one that it has a plausible pair with.
+bool is_kept_apart(const SessionState& state, ImageId image) {
+    return index_of(image) < state.edges.apart.size() &&
+           !state.edges.apart[index_of(image)].empty();
+}
+
+/// The connected part that each cluster with a model stands in.
+std::map<ClusterId, std::uint32_t> parts_of(const Scene& scene) {
+    std::map<ClusterId, std::uint32_t> parts;
+    for (const auto& cluster : scene.clusters) {
+        if (cluster->model && !cluster->model->empty())
+            parts.emplace(cluster->id, cluster->effective_cluster);
+    }
+    return parts;
+}
+
+/// Whether images of a cluster were kept apart from some that are not in its part.
+bool has_a_look_alike(const SessionState& state, const std::vector<ImageId>& members,
+                      std::uint32_t part, const std::map<ClusterId, std::uint32_t>& parts) {
+    return std::ranges::any_of(members, [&](ImageId image) {
+        if (!is_kept_apart(state, image)) return false;
+        return std::ranges::any_of(state.edges.apart[index_of(image)], [&](ImageId other) {
+            const auto found = parts.find(state.clustering.cluster_of[index_of(other)]);
+            return !state.is_removed(other) && (found == parts.end() || found->second != part);
+        });
+    });
+}
+
 }  // namespace
 
 std::vector<WeakModel> weak_models(const SessionState& state) {
     std::vector<WeakModel> weak;
+    const auto parts = parts_of(*state.scene);
     for (const auto& [id, entry] : state.clusters.entries()) {
-        const Weaknesses& weaknesses = entry.material.state.weaknesses;
-        if (!entry.published.model || entry.published.model->empty() || weaknesses.none()) continue;
+        if (!entry.published.model || entry.published.model->empty()) continue;
+        Weaknesses weaknesses = entry.material.state.weaknesses;
+        const auto part = parts.find(id);
+        if (part != parts.end() &&
+            has_a_look_alike(state, entry.membership.members, part->second, parts))
+            weaknesses.add(Weakness::kLookAlikes);
+        if (weaknesses.none()) continue;
         weak.push_back(
             {id, static_cast<std::uint32_t>(entry.published.model->images.size()), weaknesses});
     }
@@ -58,11 +93,13 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
             if (state.is_removed(image)) continue;
             WaitReason reason = WaitReason::kSolving;
             if (state.view_graph.edges(image).empty()) {
-                reason = reason_without_edges(state.edges, image);
+                reason = is_kept_apart(state, image) ? WaitReason::kLookAlikes
+                                                     : reason_without_edges(state.edges, image);
             } else if (unsolved && of_cluster.prevail()) {
                 reason = WaitReason::kNoParallax;
             } else if (!state.clusters.makes_model(entry.membership.members.size())) {
-                reason = WaitReason::kClusterTooSmall;
+                reason = is_kept_apart(state, image) ? WaitReason::kLookAlikes
+                                                     : WaitReason::kClusterTooSmall;
             } else if (entry.phase == ClusterPhase::kClean) {
                 reason = unsolved ? WaitReason::kNoSeed : WaitReason::kRegistrationFailed;
             }

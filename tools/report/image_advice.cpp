@@ -26,6 +26,9 @@ const char* advice_for(WaitReason reason) {
                    "background";
         case WaitReason::kTooFewFeatures:
             return "take a sharp, well-lit photograph of something with texture instead";
+        case WaitReason::kLookAlikes:
+            return "add photographs from between this one and the model, or of what stands beside "
+                   "the things that look alike";
         case WaitReason::kSolving:
             return "wait for the next version, which takes account of it";
     }

@@ -20,7 +20,9 @@ namespace {
 struct Cut {
     std::vector<std::uint8_t> side;  ///< by position in the model: 0 or 1
     std::uint32_t images = 0;        ///< on the smaller side
-    double denied = 0.0;             ///< relative weights of denied edges across, squared
+    // Squares of the relative matches of edges across.
+    double denied = 0.0;
+    double explained = 0.0;
     // Of compared pairs across.
     std::uint32_t regions = 0;
     std::uint32_t missing = 0;
@@ -29,6 +31,8 @@ struct Cut {
     double missing_part() const { return static_cast<double>(missing) / std::max(1U, regions); }
     /// How much of what speaks against the model lies across.
     double promise() const { return denied + missing * missing_part(); }
+    /// How strong another explanation is, over the model's.
+    double contest() const { return denied / explained; }
 };
 
 /// The side of each image when one edge of a tree is taken out.
@@ -86,8 +90,9 @@ std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
             return cut.side[pair.first] != cut.side[pair.second];
         };
         for (const ModelEdge& other : judged.edges) {
-            if (other.is_denied(options) && is_across(other))
-                cut.denied += other.relative * other.relative;
+            if (!is_across(other)) continue;
+            if (other.is_denied(options)) cut.denied += other.relative * other.relative;
+            if (other.is_explained(options)) cut.explained += other.relative * other.relative;
         }
         for (const ComparedPair& pair : judged.compared) {
             if (!is_across(pair)) continue;
@@ -118,20 +123,46 @@ std::vector<std::vector<ImageId>> parts_of(const Reconstruction& model, const Cu
     return parts;
 }
 
-/// The parts of a model that contradict each other and that nothing joins better: it is not known
-/// how they belong together. Nothing: there are none.
-std::vector<std::vector<ImageId>> split(const Judged& judged, const SolveOptions& options) {
-    const DoubtOptions& doubt = options.doubt;
-    const Cut* best = nullptr;
-    const std::vector<Cut> cuts = cuts_of(judged, doubt);
-    for (const Cut& cut : cuts) {
-        if (!options.policy.makes_model(cut.images) || cut.contradicting < doubt.min_split_pairs)
-            continue;
-        if (cut.missing_part() < doubt.min_split_part) continue;
-        if (best == nullptr || cut.missing_part() > best->missing_part()) best = &cut;
+/// Two parts of a model that contradict each other, and that nothing joins better.
+bool contradict_each_other(const Cut& cut, const SolveOptions& options) {
+    return options.policy.makes_model(cut.images) &&
+           cut.contradicting >= options.doubt.min_split_pairs &&
+           cut.missing_part() >= options.doubt.min_split_part;
+}
+
+/// Two parts that hang together by less than what speaks for another way.
+bool are_outweighed(const Cut& cut, std::size_t images, const SolveOptions& options) {
+    return options.policy.makes_model(images - cut.images) && cut.explained < options.doubt.thin &&
+           cut.contest() >= options.doubt.outweighed;
+}
+
+/// The parts of a model of which it is not known how they belong together. Nothing: there are none.
+std::vector<std::vector<ImageId>> split(const Judged& judged, const std::vector<Cut>& cuts,
+                                        const SolveOptions& options) {
+    const std::size_t images = judged.attempt.model.images.size();
+    const auto most = [&](const auto& is_meant, const auto& measure) {
+        const Cut* best = nullptr;
+        for (const Cut& cut : cuts) {
+            if (is_meant(cut) && (best == nullptr || measure(cut) > measure(*best))) best = &cut;
+        }
+        return best;
+    };
+    const Cut* cut = most([&](const Cut& c) { return contradict_each_other(c, options); },
+                          [](const Cut& c) { return c.missing_part(); });
+    if (cut == nullptr) {
+        cut = most([&](const Cut& c) { return are_outweighed(c, images, options); },
+                   [](const Cut& c) { return c.contest(); });
     }
-    if (best == nullptr) return {};
-    return parts_of(judged.attempt.model, *best);
+    if (cut == nullptr) return {};
+    return parts_of(judged.attempt.model, *cut);
+}
+
+/// Whether two things that look alike may be one in the model, or one of them two: its images
+/// should see what they do not, or there is another explanation of how its parts belong together.
+bool is_doubtful(const std::vector<Cut>& cuts, const DoubtOptions& options) {
+    return std::ranges::any_of(cuts, [&](const Cut& cut) {
+        return cut.contradicting >= options.min_split_pairs || cut.contest() >= options.contested;
+    });
 }
 
 /// The cluster with its model in two parts, and without the edges that held them together.
@@ -242,7 +273,8 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
         if (!settled.ok()) return settled.error();
         step.best = judge(*std::move(settled), problem, options);
     }
-    std::vector<std::vector<ImageId>> places = split(step.best, options);
+    const std::vector<Cut> cuts = cuts_of(step.best, options.doubt);
+    std::vector<std::vector<ImageId>> places = split(step.best, cuts, options);
     SolveAttempt result = std::move(step.best.attempt);
     if (result.places->empty()) result.places = std::move(places);
     result.state.images_when_reconsidered = images;
@@ -251,7 +283,7 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
         result.succession.reset();
         result.statistics.reset = Reset{Reset::Reason::kMissing, {}, before};
     }
-    if (step.best.score.contradicting > 0) result.state.weaknesses.add(Weakness::kLookAlikes);
+    if (is_doubtful(cuts, options.doubt)) result.state.weaknesses.add(Weakness::kLookAlikes);
     return result;
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "tests/scheduler/flow/serial_session.h"
+#include "tests/stages/reconstruction/two_parts.h"
 #include "tests/stages/reconstruction/two_streets.h"
 #include "tests/storage/test_session.h"
 #include "tests/synthetic/compare.h"
@@ -59,6 +60,10 @@ void expect_streets_apart(const SerialSession& session, const Streets& streets) 
         ASSERT_TRUE(error.ok());
         EXPECT_LT(error->max_position, 0.01);
     }
+    const std::vector<WeakModel> weak = weak_models(session.state());
+    EXPECT_EQ(weak.size(), session.state().scene->clusters.size());
+    for (const WeakModel& model : weak)
+        EXPECT_TRUE(model.weaknesses.has(Weakness::kLookAlikes)) << "people are told";
 }
 
 TEST(Places, StreetsThatOneFacadeFoldedComeApart) {
@@ -73,6 +78,22 @@ TEST(Places, StreetsThatOneFacadeFoldedComeApart) {
     EXPECT_GE(count_of(session, SessionEvent::Kind::kPlaces), 1U);
     EXPECT_LE(count_of(session, SessionEvent::Kind::kPlaces), 3U);
     expect_streets_apart(session, streets);
+}
+
+TEST(Places, TooFewForAModelOfTheirOwnWaitAsLookAlikes) {
+    const TwoParts parts;
+    const testing::TemporaryFolder folder;
+    const auto store = test::open_store(folder);
+    const auto pairs = parts.pairs(0.7, 3);
+    SerialSession session(*store, parts.scene, pairs, true, ClusteringOptions{});
+    while (session.reported().size() < TwoParts::kImages) ASSERT_TRUE(session.add_image());
+    session.end();
+    EXPECT_GE(session.state().counts.placed, TwoParts::kLeft);
+    const auto waiting = waiting_images(session.state());
+    EXPECT_EQ(waiting.size(), TwoParts::kImages - session.state().counts.placed);
+    EXPECT_GE(waiting.size(), 3U);
+    for (const auto& [image, reason] : waiting) EXPECT_EQ(reason, WaitReason::kLookAlikes);
+    EXPECT_FALSE(weak_models(session.state()).empty()) << "people are told";
 }
 
 TEST(Places, AreKnownToTheNextProcess) {

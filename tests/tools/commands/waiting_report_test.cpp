@@ -16,7 +16,7 @@ TEST(WhyNothingIsPlaced, NamesTheCommonestCause) {
     EXPECT_NE(why_nothing_is_placed(turned, {}).find("no parallax"), std::string::npos);
     std::set<std::string> lines;
     for (const R reason : {R::kTooFewMatches, R::kClusterTooSmall, R::kNoSeed, R::kNoParallax,
-                           R::kStandsStill, R::kTooFewFeatures, R::kSolving}) {
+                           R::kStandsStill, R::kTooFewFeatures, R::kLookAlikes, R::kSolving}) {
         const std::string line = why_nothing_is_placed(std::vector<R>(6, reason), {});
         EXPECT_TRUE(lines.insert(line).second) << line;
         EXPECT_TRUE(line.starts_with("nothing could be placed: ")) << line;

@@ -32,6 +32,9 @@ const char* cause(WaitReason reason) {
         case WaitReason::kRegistrationFailed:
             return "no two photographs have enough points in common at a sufficient angle; take "
                    "more of them, a step apart";
+        case WaitReason::kLookAlikes:
+            return "look-alikes: the photographs could show different things that look alike; take "
+                   "more between them, and of what stands beside";
         case WaitReason::kNone:
         case WaitReason::kSolving:
             break;

@@ -44,6 +44,16 @@ Result<void> check_points_are_there(const fs::path& folder) {
                  folder.string() + " has no points3D.bin or points3D.txt: copy the whole model"};
 }
 
+void tell_of_spare_cameras(const ExportedModel& model) {
+    std::set<std::uint32_t> used;
+    for (const ExportedImage& image : model.images) used.insert(image.camera_id);
+    const std::size_t spare = model.cameras.size() - used.size();
+    if (spare == 0) return;
+    std::cerr << "psfm: " << counted(spare, "camera") << " of the model "
+              << (spare == 1 ? "is" : "are") << " left out: no image has "
+              << (spare == 1 ? "it" : "them") << '\n';
+}
+
 Result<ForeignModel> read_model(const ModelImportArguments& arguments,
                                 const ColmapDatabase* database) {
     const auto folders = find_colmap_models(arguments.model);
@@ -75,6 +85,7 @@ Result<ForeignModel> read_model(const ModelImportArguments& arguments,
         return Error{ErrorCode::kDamaged,
                      folders->front().string() + " has two images named " + image.name};
     }
+    tell_of_spare_cameras(*model);
     return ForeignModel{*std::move(model), database, absolute(arguments.images)};
 }
 
