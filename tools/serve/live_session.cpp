@@ -47,7 +47,8 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const U
       shown_(ShowOptions{.number = std::random_device()() >> 2U}) {
     // Expected: what cannot be read yet is looked at with the next version
     if (auto scene = reader.scene(); scene.ok())
-        look(std::make_shared<const Scene>(*std::move(scene)), true);
+        if (auto facts = tell(std::make_shared<const Scene>(*std::move(scene))))
+            show(*std::move(facts), true);
     thread_ = std::thread([this] { run(); });
 }
 
@@ -92,38 +93,47 @@ void LiveSession::run() {
     // Guard: while versions come every second or so, only what is seen is told; then the rest of
     // it.
     constexpr double kSettledAfter = 3.0;
-    Clock::time_point last = Clock::now();
+    const auto between_changes = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(options_.seconds_between_changes));
+    Clock::time_point last = Clock::now();  // that something was told
+    Clock::time_point next_change = last;
+    std::optional<SessionFacts> told;  // states, of a model that is still to be shown
     bool exact = true;
     std::unique_lock lock(inbox_mutex_);
     while (!over_) {
-        const bool woken = wake_.wait_for(lock, std::chrono::milliseconds(500),
-                                          [&] { return over_ || next_ || looks_again_; });
+        constexpr std::chrono::milliseconds kOften(500);  // Guard: of a thread that does nothing
+        wake_.wait_until(lock, told ? next_change : Clock::now() + kOften,
+                         [&] { return over_ || next_ || looks_again_; });
         if (over_) break;
-        if (!woken && (exact || seconds_since(last) < kSettledAfter)) continue;
+        const bool is_news = next_ || looks_again_;
+        const bool settles = !is_news && !told && !exact && seconds_since(last) >= kSettledAfter;
         ScenePtr scene = std::exchange(next_, nullptr);
         looks_again_ = false;
         lock.unlock();
-        if (!scene) scene = scene_version();
-        if (!scene) {  // nothing can be read yet
-            lock.lock();
-            continue;
+        if (is_news || settles) {
+            if (!scene) scene = scene_version();
+            // States first: they are what people wait for.
+            if (scene) told = tell(scene);
+            last = Clock::now();
         }
-        look(scene, !woken);
-        exact = !woken;
-        if (woken) last = Clock::now();
+        if (told && (settles || Clock::now() >= next_change)) {
+            show(*std::exchange(told, std::nullopt), settles);
+            exact = settles;
+            next_change = Clock::now() + between_changes;
+        }
         lock.lock();
-        if (woken) {
-            wake_.wait_for(lock, std::chrono::duration<double>(options_.seconds_between_changes),
-                           [&] { return over_; });
-        }
     }
 }
 
-void LiveSession::look(const ScenePtr& scene, bool settled) {
-    // States first: they are what people wait for.
+std::optional<SessionFacts> LiveSession::tell(const ScenePtr& scene) {
     auto facts = read_session_facts(*reader_, memory_, scene);
-    if (!facts.ok()) return;  // Expected: the next version may be had
+    if (!facts.ok()) return std::nullopt;  // Expected: the next version may be had
     tell_images(facts->facts);
+    return *std::move(facts);
+}
+
+void LiveSession::show(SessionFacts facts, bool settled) {
+    const auto scene = std::make_shared<const Scene>(facts.scene);
     std::string change;
     std::uint32_t number = 0;
     {
@@ -140,7 +150,7 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
     const auto edges = edges_.read(*reader_, *scene);
     PageSession page;
     page.name = name_;
-    page.facts = &*facts;
+    page.facts = &facts;
     const std::vector<EdgeFact> none;
     // Expected: what cannot be read is missing on the page, and there with the next version
     page.edges = edges.ok() ? &*edges : &none;
@@ -159,12 +169,18 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
         }
     }
     std::vector<std::string> names;
-    for (const Image& image : facts->images) {
+    for (const Image& image : facts.images) {
         const auto origin = origins.find(image.name);
         names.push_back(origin == origins.end() ? image.name : origin->second.title);
     }
     // Expected: as above
-    if (edges.ok()) page.hints = hints_for(*scene, *edges, names);
+    page.hints = hints_;
+    if (edges.ok() && (settled || Clock::now() >= next_hints_)) {
+        page.hints = hints_for(*scene, *edges, names);
+        next_hints_ =
+            Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                               std::chrono::duration<double>(options_.seconds_between_hints));
+    }
     std::string session = session_json(page);
     session.pop_back();
 
@@ -174,7 +190,7 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
     Change kept{number, std::make_shared<const std::string>(framed.bytes()), nullptr};
     kept.gzip = std::make_shared<const std::string>(gzipped(framed.bytes()));
     const std::size_t bytes = kept.gzip->size();
-    const SessionCounts counts = facts->summary.counts;
+    const SessionCounts counts = facts.summary.counts;
     const bool new_hints = [&] {
         const std::lock_guard lock(mutex_);
         change_bytes_ += bytes;
@@ -184,7 +200,7 @@ void LiveSession::look(const ScenePtr& scene, bool settled) {
             changes_.pop_front();
         }
         scene_ = scene;
-        facts_ = std::move(facts->facts);
+        facts_ = std::move(facts.facts);
         session_ = std::move(session);
         sessions_.clear();
         const bool differs = !std::ranges::equal(hints_, page.hints, {}, &Hint::text, &Hint::text);

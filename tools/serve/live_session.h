@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -65,7 +66,10 @@ class LiveSession final : public SessionObserver {
 
   private:
     void run();
-    void look(const ScenePtr& scene, bool settled);
+    /// States of photographs. Nothing: they cannot be read yet.
+    std::optional<SessionFacts> tell(const ScenePtr& scene);
+    /// The model that they are of. @param settled  to the last digit that is sent
+    void show(SessionFacts facts, bool settled);
     void tell_images(const std::vector<ImageFact>& facts);
 
     const SessionReader* reader_;
@@ -86,6 +90,7 @@ class LiveSession final : public SessionObserver {
     EdgeBook edges_;
     FeatureColours colours_;
     std::map<std::string, std::string> told_;  // by name: state and so on
+    std::chrono::steady_clock::time_point next_hints_;
 
     mutable std::mutex mutex_;  // of what follows
     ShownScene shown_;

@@ -164,7 +164,7 @@ class Watcher {
     std::size_t bytes = 0, scenes = 0, changes = 0, breaks = 0, points = 0;
     std::string difference;
     std::vector<std::pair<double, std::uint64_t>> versions;  // told of, and when
-    std::map<std::string, double> images;                    // first told of, by name
+    std::map<std::string, double> images;                    // first told of as solved, by name
 
   private:
     void follow() {
@@ -201,7 +201,8 @@ class Watcher {
         }
         if (kind == "image" && !decodes_) {
             const json image = json::parse(value("data"));
-            images.emplace(image["name"].get<std::string>(), now());
+            if (image["reason"] != "solving")
+                images.emplace(image["name"].get<std::string>(), now());
         }
         if (decodes_ && (kind == "version" || kind == "reset")) catch_up(data);
         last_id_ = value("id");
