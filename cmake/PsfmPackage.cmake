@@ -82,9 +82,11 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME psfm)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS passwd)  # postinst: useradd, which Ubuntu's smallest systems lack
-# Without them focal lengths of some cameras stay unknown, and HEIC photographs cannot be read.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "liblensfun-data-v1, libheif-plugin-libde265 | libheif1 (<< 1.16)")
+# passwd: postinst's useradd, which Ubuntu's smallest systems lack; libheif's decoder of HEIC is a package of its own
+# since 1.16, which libheif1 need not bring.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "passwd, libheif-plugin-libde265 | libheif1 (<< 1.16)")
+# Without it focal lengths of some cameras stay unknown.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS liblensfun-data-v1)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/tools/package/postinst"
                                                "${PROJECT_SOURCE_DIR}/tools/package/prerm"
                                                "${PROJECT_SOURCE_DIR}/tools/package/postrm")
