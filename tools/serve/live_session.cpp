@@ -173,8 +173,8 @@ void LiveSession::show(SessionFacts facts, bool settled) {
         const auto origin = origins.find(image.name);
         names.push_back(origin == origins.end() ? image.name : origin->second.title);
     }
-    // Expected: as above
     page.hints = hints_;
+    // Expected: as above
     if (edges.ok() && (settled || Clock::now() >= next_hints_)) {
         page.hints = hints_for(*scene, *edges, names);
         next_hints_ =
