@@ -8,23 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "graph/wording.h"
 #include "scheduler/report/camera_report.h"
 
 namespace psfm {
-namespace {
-
-/// The first few names, and how many more there are.
-std::string listed(std::span<const std::string> names) {
-    constexpr std::size_t kShown = 3;  // Format: names in a message
-    std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
-        text += (i == 0 ? "" : ", ") + names[i];
-    if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
-    return text;
-}
-
-}  // namespace
-
 SessionEvent describe_change(const ClusterChange& change) {
     SessionEvent event;
     event.clusters.push_back(index_of(change.cluster));
@@ -69,7 +56,7 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     for (const ImageId image : reset.images) reset_images.push_back(images[index_of(image)].name);
     const std::string cluster = "cluster " + std::to_string(index_of(problem.cluster));
     event.text = reset_images.empty() ? cluster + " was reset: "
-                                      : listed(reset_images) + " of " + cluster + " placed anew: ";
+                                      : some_of(reset_images) + " of " + cluster + " placed anew: ";
     if (stuck) {
         event.text += "only " + std::to_string(reset.placed_before) +
                       " of its images could be placed in its model";

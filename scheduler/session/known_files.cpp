@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "graph/wording.h"
 #include "stages/features/feature_options.h"
 #include "stages/features/photographs/read_file_bytes.h"
 
@@ -30,16 +31,6 @@ std::optional<std::uint64_t> hash_of(const PhotoFile& photo) {
     const auto hash = content_hash_of(photo, std::uint64_t{ReadPhotoOptions{}.max_file_mib} << 20U);
     // Expected: a file that cannot be read is none that is known; taking it in says why
     return hash.ok() ? std::optional(*hash) : std::nullopt;
-}
-
-/// "a, b, c and 7 more"
-std::string some_of(const std::vector<std::string>& names) {
-    constexpr std::size_t kShown = 5;  // Format: names in a message
-    std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
-        list += (i == 0 ? "" : ", ") + names[i];
-    if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
-    return list;
 }
 
 std::string photographs(std::size_t count, const char* one, const char* many) {

@@ -8,11 +8,12 @@
 #include <iostream>
 #include <memory>
 
+#include "graph/wording.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 
 namespace psfm {
 namespace {

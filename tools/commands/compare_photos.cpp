@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "graph/wording.h"
 #include "scheduler/session/known_files.h"
 #include "stages/features/photographs/masks_beside_photos.h"
 #include "stages/features/photographs/photo_listing.h"
@@ -14,7 +15,7 @@
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/small_copies.h"
 #include "tools/commands/console/mask_report.h"
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {

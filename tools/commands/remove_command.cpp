@@ -12,10 +12,11 @@
 #include <set>
 #include <utility>
 
+#include "graph/wording.h"
 #include "scheduler/session/remove_images.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
 

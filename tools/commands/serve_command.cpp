@@ -11,7 +11,6 @@
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/wording.h"
 #include "tools/commands/serve_session.h"
 #include "tools/serve/qr_code.h"
 #include "tools/serve/users.h"

@@ -11,7 +11,7 @@
 
 #include "scheduler/session/option_table.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/session_runner.h"
 

@@ -11,13 +11,14 @@
 #include <map>
 #include <set>
 
+#include "graph/wording.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/console/waiting_report.h"
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/watch_folder.h"
 #include "tools/report/featureless.h"
 

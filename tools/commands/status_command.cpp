@@ -11,13 +11,13 @@
 #include <optional>
 #include <thread>
 
+#include "graph/wording.h"
 #include "scheduler/report/camera_report.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/waiting_report.h"
-#include "tools/commands/console/wording.h"
 #include "tools/commands/exchange/geo_report.h"
 #include "tools/report/status_json.h"
 

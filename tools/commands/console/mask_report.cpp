@@ -4,8 +4,8 @@
 
 #include <iostream>
 
+#include "graph/wording.h"
 #include "stages/features/photographs/masks_beside_photos.h"
-#include "tools/commands/console/wording.h"
 
 namespace psfm {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/console/waiting_report.h"
+#include "graph/wording.h"
 
 #include <algorithm>
 #include <map>
 
-#include "tools/commands/console/wording.h"
 
 namespace psfm {
 namespace {

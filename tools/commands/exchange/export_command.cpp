@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "graph/wording.h"
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_model.h"
 #include "storage/exchange/models/distinct_points.h"
@@ -20,7 +21,6 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/wording.h"
 #include "tools/commands/exchange/export_database.h"
 #include "tools/commands/exchange/export_dataset.h"
 #include "tools/commands/exchange/geo_files.h"

@@ -9,6 +9,7 @@
 #include <set>
 #include <string_view>
 
+#include "graph/wording.h"
 #include "scheduler/front_end/foreign_features.h"
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_names.h"
@@ -20,7 +21,6 @@
 #include "tools/commands/console/mask_report.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
-#include "tools/commands/console/wording.h"
 #include "tools/commands/exchange/dataset_pictures.h"
 #include "tools/commands/exchange/geo_files.h"
 #include "tools/commands/exchange/geo_report.h"

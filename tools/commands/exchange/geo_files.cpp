@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "graph/wording.h"
 #include "stages/algorithms/math/angles.h"
 #include "stages/merge/geo/earth_frame.h"
 #include "stages/merge/geo/gravity.h"
 #include "storage/exchange/models/export_models.h"
-#include "tools/commands/console/wording.h"
 #include "tools/commands/exchange/geo_report.h"
 #include "tools/report/json_text.h"
 

@@ -7,12 +7,13 @@
 #include <iostream>
 #include <memory>
 
+#include "graph/wording.h"
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/count_line.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/exchange/import_model.h"
 #include "tools/commands/session_options.h"
 

@@ -15,6 +15,7 @@
 #include <memory>
 #include <set>
 
+#include "graph/wording.h"
 #include "scheduler/front_end/begin_from_model.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "storage/exchange/models/read_colmap.h"
@@ -22,7 +23,6 @@
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
-#include "tools/commands/console/wording.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {

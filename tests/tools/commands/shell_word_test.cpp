@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 
 #include <gtest/gtest.h>
 
@@ -10,12 +10,6 @@
 
 namespace psfm {
 namespace {
-
-TEST(Counted, OneIsNotMany) {
-    EXPECT_EQ(counted(0, "cluster"), "0 clusters");
-    EXPECT_EQ(counted(1, "connected part"), "1 connected part");
-    EXPECT_EQ(counted(2, "photograph"), "2 photographs");
-}
 
 /// What a shell makes of a word.
 std::string as_read_by_a_shell(const std::string& word) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/console/wording.h"
+#include "tools/commands/console/shell_word.h"
 
 #include <algorithm>
 
@@ -16,19 +16,6 @@ bool means_itself(char c) {
 }
 
 }  // namespace
-
-std::string counted(std::uint64_t count, std::string_view noun) {
-    return std::to_string(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
-}
-
-std::string some_of(const std::vector<std::string>& names) {
-    constexpr std::size_t kShown = 5;  // Format: names in a message
-    std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
-        list += (i == 0 ? "" : ", ") + names[i];
-    if (names.size() > kShown) list += " and " + std::to_string(names.size() - kShown) + " more";
-    return list;
-}
 
 std::string shell_word(std::string_view argument) {
     if (!argument.empty() && std::ranges::all_of(argument, means_itself))
