@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "graph/ids.h"
 #include "graph/weakness.h"
@@ -16,5 +18,8 @@ struct WeakModel {
     Weaknesses weaknesses;
     bool operator==(const WeakModel&) const = default;
 };
+
+/// One line for each way in which a model is weak.
+std::vector<std::string> describe(const WeakModel& model);
 
 }  // namespace psfm

@@ -16,9 +16,9 @@
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/console/waiting_report.h"
-#include "tools/commands/console/shell_word.h"
 #include "tools/commands/watch_folder.h"
 #include "tools/report/featureless.h"
 

@@ -150,6 +150,7 @@ std::string report_json(const ReportFacts& facts, const ReportOptions& options) 
         {"edges", std::move(edges)},
         {"positions", positions_json(facts, options)},
         {"versions", history_json(facts)},
+        {"weak_models", ordered_json::parse(weak_models_json(facts.session.summary))},
         {"times", times_json(options)},
         {"image_list", std::move(images)}};
     return report.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";

@@ -27,6 +27,14 @@ std::string number(double value, int digits) {
     return short_number(value, digits);
 }
 
+std::string weak_models(const SceneSummary& summary) {
+    std::string items;
+    for (const WeakModel& model : summary.weak) {
+        for (const std::string& line : describe(model)) items += "<li>" + escaped(line) + "</li>\n";
+    }
+    return items.empty() ? items : "<ul class=\"weak\">\n" + items + "</ul>\n";
+}
+
 std::string overview(const ReportFacts& facts) {
     const SessionCounts& counts = facts.session.summary.counts;
     HtmlTable table({"", ""});
@@ -56,7 +64,7 @@ std::string overview(const ReportFacts& facts) {
     return "<h2>Overview</h2>\n<p class=\"explains\">A photograph is placed when its camera's "
            "position is known; parts are models that nothing connects yet; a track is one point of "
            "the world as several photographs see it.</p>\n" +
-           table.finish();
+           table.finish() + weak_models(facts.session.summary);
 }
 
 std::string not_placed(const ReportFacts& facts) {

@@ -11,6 +11,7 @@ main{max-width:60rem;margin:0 auto;padding:1rem}
 h1{font-size:1.5rem}h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #d4d9df}
 h3{font-size:1rem;margin:1.2rem 0 .3rem}
 .explains{color:#4a5560;max-width:46rem}
+.weak{color:#7a1f0c;max-width:46rem}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;margin:.5rem 0}
 th,td{text-align:left;padding:.15rem .7rem .15rem 0;border-bottom:1px solid #e7eaee;vertical-align:top;overflow-wrap:anywhere}
 th{font-weight:600}

@@ -64,7 +64,8 @@ ordered_json weak_models_of(const SceneSummary& summary) {
             reasons.push_back(name_of(weakness));
         models.push_back({{"cluster", index_of(model.cluster)},
                           {"images", model.images},
-                          {"reasons", std::move(reasons)}});
+                          {"reasons", std::move(reasons)},
+                          {"words", describe(model)}});
     }
     return models;
 }
@@ -94,6 +95,10 @@ ordered_json json_of(const RunState& state) {
 
 std::string image_json(const ImageFact& fact) {
     return text_of(json_of(fact));
+}
+
+std::string weak_models_json(const SceneSummary& summary) {
+    return text_of(weak_models_of(summary));
 }
 
 std::string status_json(const SessionFacts& facts, const std::optional<DatumFact>& datum,

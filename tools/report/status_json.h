@@ -24,4 +24,7 @@ std::string status_json(const SessionFacts& facts, const std::optional<DatumFact
 /// One image of it, as it stands in "image_list".
 std::string image_json(const ImageFact& fact);
 
+/// Its "weak_models".
+std::string weak_models_json(const SceneSummary& summary);
+
 }  // namespace psfm

@@ -191,6 +191,7 @@ void LiveSession::show(SessionFacts facts, bool settled) {
     kept.gzip = std::make_shared<const std::string>(gzipped(framed.bytes()));
     const std::size_t bytes = kept.gzip->size();
     const SessionCounts counts = facts.summary.counts;
+    ordered_json weak = ordered_json::parse(weak_models_json(facts.summary));
     const bool new_hints = [&] {
         const std::lock_guard lock(mutex_);
         change_bytes_ += bytes;
@@ -215,7 +216,8 @@ void LiveSession::show(SessionFacts facts, bool settled) {
                                          {"clusters", counts.clusters},
                                          {"effective_clusters", counts.effective_clusters},
                                          {"change", number},
-                                         {"bytes", bytes}}));
+                                         {"bytes", bytes},
+                                         {"weak_models", std::move(weak)}}));
     if (!new_hints) return;
     ordered_json hints = ordered_json::array();
     for (const Hint& hint : page.hints) {

@@ -87,6 +87,7 @@ std::string session_json(const PageSession& session) {
                         {"version", counts.version}}},
                       {"image_list", images_json(session)},
                       {"cameras", std::move(cameras)},
+                      {"weak_models", ordered_json::parse(weak_models_json(facts.summary))},
                       {"events", std::move(events)},
                       {"versions", versions_json(facts)},
                       {"edges", std::move(edges)},

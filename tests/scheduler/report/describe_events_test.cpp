@@ -77,7 +77,8 @@ TEST(DescribeReset, NamesTheImagesThatWerePlacedAnew) {
 TEST(DescribeReset, NamesFiveImages) {
     const SessionEvent event =
         ResetOfFive({ImageId{0}, ImageId{1}, ImageId{2}, ImageId{3}, ImageId{4}}).event();
-    EXPECT_THAT(event.text, StartsWith("photo0.jpg, photo1.jpg, photo2.jpg, photo3.jpg, photo4.jpg of "));
+    EXPECT_THAT(event.text,
+                StartsWith("photo0.jpg, photo1.jpg, photo2.jpg, photo3.jpg, photo4.jpg of "));
     EXPECT_THAT(event.detail_json, HasSubstr("photo4.jpg"));
 }
 

@@ -31,15 +31,5 @@ TEST(WhyNothingIsPlaced, TooFewPhotographsAreTheCauseWhateverElseIs) {
               "there are 3; add more");
 }
 
-TEST(DescribeWeakModel, ALineForEachWay) {
-    WeakModel model{ClusterId{4}, 9, {}};
-    EXPECT_TRUE(describe(model).empty());
-    model.weaknesses.add(Weakness::kFewPoints);
-    model.weaknesses.add(Weakness::kSmallAngles);
-    const auto lines = describe(model);
-    ASSERT_EQ(lines.size(), 2U);
-    EXPECT_TRUE(lines.front().starts_with("the model of 9 images in cluster 4 is weak: "));
-}
-
 }  // namespace
 }  // namespace psfm

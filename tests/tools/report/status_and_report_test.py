@@ -65,7 +65,8 @@ class StatusAndReport(unittest.TestCase):
         cls.run_psfm("simulate", "--scene", "courtyard", "--images", 40, "--output", cls.folder / "scene")
         cls.log = cls.folder / "log.jsonl"
         start = [BUILD / "psfm", "import", "--colmap-database", cls.folder / "scene/database.db", "--order",
-                 cls.folder / "scene/order.txt", "--session", cls.session, "--log", cls.log]
+                 cls.folder / "scene/order.txt", "--session", cls.session, "--log", cls.log,
+                 "--set", "solve.assessment.weak_angle_deg=90"]  # so that its models are weak
         with subprocess.Popen(start, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as run:
             cls.during = []
             while run.poll() is None:
@@ -136,6 +137,16 @@ class StatusAndReport(unittest.TestCase):
         self.assertIn(f"{self.status['placed']} of {self.status['images']} accepted", page)
         for image in self.status["image_list"]:
             self.assertIn(image["name"], page)
+
+    def test_report_doubts_the_models_that_status_doubts(self):
+        words = [line for model in self.status["weak_models"] for line in model["words"]]
+        self.assertTrue(words)
+        page, figures = self.report()
+        self.assertEqual(figures["weak_models"], self.status["weak_models"])
+        told = self.run_psfm("status", "--session", self.session)
+        for line in words:
+            self.assertIn(f"<li>{line}</li>", page)
+            self.assertIn(line, told)
 
     def test_report_counts_what_the_export_holds(self):
         self.run_psfm("export", "--session", self.session, "--format", "colmap-text", "--output", self.folder / "model")

@@ -354,6 +354,18 @@ class Api(unittest.TestCase):
         self.assertEqual(server.json("/session")["counts"]["placed"], 6)
         self.assertEqual(server.put(self.photos[0])[0], 404)
 
+    def test_the_page_doubts_the_models_that_status_doubts(self):
+        scene = self.session.parent / "scene"
+        self.assertEqual(psfm("simulate", "--scene", "courtyard", "--images", "20", "--output", scene)[0], 0)
+        self.assertEqual(psfm("import", "--colmap-database", scene / "database.db", "--session", self.session,
+                              "--set", "solve.assessment.weak_angle_deg=90")[0], 0)
+        weak = json.loads(psfm("status", "--session", self.session, "--json")[1])["weak_models"]
+        self.assertTrue(weak)
+        server = self.serve(command="view")
+        self.assertEqual(server.json("/session")["weak_models"], weak)
+        versions = [data for kind, data, _ in self.events(1, last_id=self.first_id()) if kind == "version"]
+        self.assertEqual(json.loads(versions[-1])["weak_models"], weak)
+
 
 if __name__ == "__main__":
     BUILD, OPENAPI = Path(sys.argv[1]), Path(sys.argv[2])

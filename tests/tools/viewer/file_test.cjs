@@ -10,7 +10,8 @@ const IMAGES = 60;
 run(async (chrome) => {
   psfm("simulate", "--scene", "courtyard", "--images", String(IMAGES), "--output", path.join(folder, "scene"));
   const session = path.join(folder, "session");
-  psfm("import", "--colmap-database", path.join(folder, "scene/database.db"), "--session", session);
+  psfm("import", "--colmap-database", path.join(folder, "scene/database.db"), "--session", session,
+    "--set", "solve.assessment.weak_angle_deg=90"); // so that its models are weak
   const file = path.join(folder, "model.html");
   psfm("view", "--session", session, "--output", file);
   const status = JSON.parse(psfm("status", "--session", session, "--json"));
@@ -31,6 +32,8 @@ run(async (chrome) => {
   }));
   check(told.cameras === status.placed, `${told.cameras} cameras are shown, as many as are placed`);
   check(told.images === IMAGES, "every photograph is listed");
+  const words = status.weak_models.flatMap((model) => model.words);
+  check(words.length > 0 && (await page.locator(".weak li").allTextContents()).join() === words.join(), "models that are weak are told of");
   check(told.points > 500, `${told.points} points are shown`);
   await page.waitForFunction(() => window.psfm.stage.drawn === [...window.psfm.model.clusters.values()].reduce((n, c) => n + c.slots, 0), null, { polling: 100 });
   check(true, "all points are drawn once one stands still");

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/console/waiting_report.h"
-#include "graph/wording.h"
 
 #include <algorithm>
 #include <map>
-
 
 namespace psfm {
 namespace {
@@ -56,16 +54,6 @@ std::string why_nothing_is_placed(std::span<const WaitReason> waiting, const Sol
     const auto most =
         std::ranges::max_element(counts, {}, [](const auto& reason) { return reason.second; });
     return line + cause(most->first);
-}
-
-std::vector<std::string> describe(const WeakModel& model) {
-    std::vector<std::string> lines;
-    for (const Weakness weakness : list_of(model.weaknesses)) {
-        lines.push_back("the model of " + counted(model.images, "image") + " in cluster " +
-                        std::to_string(index_of(model.cluster)) +
-                        " is weak: " + describe(weakness));
-    }
-    return lines;
 }
 
 }  // namespace psfm

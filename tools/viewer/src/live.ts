@@ -32,8 +32,9 @@ export class Live {
     this.on("hello", () => void this.all()); // also when the page was hidden for a while
     this.on("reset", () => void this.all());
     this.on<ImageFact>("image", (image) => this.image(image));
-    this.on<Session["counts"] & { change: number }>("version", (version) => {
+    this.on<Session["counts"] & Pick<Session, "weak_models"> & { change: number }>("version", (version) => {
       this.viewer.session.counts = version;
+      this.viewer.session.weak_models = version.weak_models;
       this.wanted = version.change;
       this.viewer.tell();
       void this.catchUp().then(() => this.later());

@@ -13,6 +13,8 @@ export interface ImageFact {
 export interface Camera { id: number; width: number; height: number; focal: number }
 export interface SessionEvent { image: number; event: string; text: string }
 export interface Version { version: number; images: number; placed: number; parts: number; resets: number }
+/** A model that is not to be trusted far, and a line for each reason. */
+export interface WeakModel { cluster: number; images: number; reasons: string[]; words: string[] }
 export type Edge = [number, number, number, string]; // images, matches, what became of it
 export interface Hint { text: string; image: number; kind: string }
 export interface Session {
@@ -20,6 +22,7 @@ export interface Session {
   counts: { images: number; placed: number; waiting: number; rejected: number; clusters: number; effective_clusters: number; version: number };
   image_list: ImageFact[];
   cameras: Camera[];
+  weak_models: WeakModel[];
   events: SessionEvent[];
   versions: Version[];
   edges: Edge[];

@@ -23,6 +23,7 @@ export class Viewer {
   private readonly events = el("ol", { class: "events" });
   private readonly hints = el("ul", { class: "hints" });
   private readonly summary = el("p", { class: "summary", role: "status" });
+  private readonly weak = el("ul", { class: "weak", tabindex: "0", "aria-label": "Models that are weak" });
   private readonly tip = el("div", { class: "tip", hidden: "" });
   private tabs: [HTMLButtonElement, HTMLElement][] = [];
 
@@ -83,7 +84,7 @@ export class Viewer {
       bar.append(tab);
       return [tab, panel];
     });
-    const side = el("aside", { class: "side" }, el("h1", {}, this.session.name), this.summary, bar, ...panels.map(([, panel]) => panel));
+    const side = el("aside", { class: "side" }, el("h1", {}, this.session.name), this.summary, this.weak, bar, ...panels.map(([, panel]) => panel));
     this.show("Photographs");
     return side;
   }
@@ -95,11 +96,13 @@ export class Viewer {
     }
   }
 
-  /** Counts, events and hints in words. */
+  /** Counts, weak models, events and hints in words. */
   tell(): void {
     const c = this.session.counts;
     this.summary.textContent = `${c.placed} of ${c.images} photographs placed, ${c.waiting} waiting, ${c.rejected} rejected; ` +
       `${c.effective_clusters} ${c.effective_clusters === 1 ? "part" : "parts"}, version ${c.version}`;
+    this.weak.replaceChildren(...this.session.weak_models.flatMap((model) => model.words).map((line) => el("li", {}, line)));
+    this.weak.hidden = this.session.weak_models.length === 0;
     this.events.replaceChildren(...this.session.events.slice(-200).reverse().map((e) => el("li", {}, el("b", {}, e.event), ` at photograph ${e.image}: ${e.text}`)));
     if (this.session.events.length === 0) this.events.replaceChildren(el("li", { class: "quiet" }, "Parts that join, split or are made anew are told here. So far there were none."));
     this.hints.replaceChildren(...this.session.hints.map((h) => el("li", {}, button(h.text, () => this.chooseImage(h.image), { class: "link" }))));
