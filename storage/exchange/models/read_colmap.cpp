@@ -36,6 +36,14 @@ std::optional<std::string> problem_of_pose(Rigid3& cam_from_world) {
     return std::nullopt;
 }
 
+std::optional<std::string> problem_of(const ExportedPoint& point) {
+    const std::string name = "point " + std::to_string(point.id);
+    if (!point.position.allFinite() || !std::isfinite(point.error_px))
+        return name + " is not finite";
+    if (point.position.norm() > kFarthest) return name + " is more than 1e12 from the origin";
+    return std::nullopt;
+}
+
 Error unsupported_model(const std::filesystem::path& path, std::uint32_t camera_id,
                         const std::string& model) {
     return {ErrorCode::kInvalidArgument, path.string() + ": camera " + std::to_string(camera_id) +

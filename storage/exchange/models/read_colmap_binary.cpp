@@ -130,9 +130,7 @@ Result<std::vector<ExportedPoint>> read_points_binary(const std::filesystem::pat
             !input.read(point.error_px)) {
             return input.damaged(kTruncated);
         }
-        if (!point.position.allFinite() || !std::isfinite(point.error_px)) {
-            return input.damaged("point is not finite");
-        }
+        if (const auto problem = problem_of(point)) return input.damaged(*problem);
         const auto length = read_count(input, kObservationBytes, "observations");
         if (!length.ok()) return length.error();
         point.track.resize(*length);

@@ -115,6 +115,7 @@ Result<std::vector<ExportedPoint>> read_points_text(const std::filesystem::path&
         if (!complete || !read_doubles(fields, &point.error_px, 1)) {
             return input.damaged("not a point (POINT3D_ID X Y Z R G B ERROR TRACK)");
         }
+        if (const auto problem = problem_of(point)) return input.damaged(*problem);
         while (!fields.done()) {
             ExportedObservation& observation = point.track.emplace_back();
             if (!fields.read(observation.image_id) || !fields.read(observation.keypoint)) {

@@ -89,6 +89,8 @@ TEST_F(ReadColmap, DamagedTextNamesFileAndLine) {
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 0 0 0 1 b.jpg\n", "", "line 2");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n\n2 1 0 0 0 0 0 0 1 a.jpg\n", "",
                    "a.jpg occurs twice");
+    expect_damaged(kCameras, kImages, "7 1e300 2 3 10 20 30 0.5 1 0 2 0\n",
+                   "points3D.txt, line 1: point 7 is more than 1e12 from the origin");
     expect_damaged(kCameras, kImages, "7 1 2 3 10 20 300 0.5 1 0 2 0\n", "points3D.txt, line 1");
     expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0 2\n", "points3D.txt, line 1");
     expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0 2 4\n", "track of point 7");
