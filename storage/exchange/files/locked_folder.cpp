@@ -17,13 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Makes a folder and those above it. @param made  takes up what was not there
+/// REQUIRES: LockedFolder::check(folder)
 Result<void> make_folders(const fs::path& folder, std::vector<fs::path>& made) {
     std::error_code failure;
     if (folder.empty() || fs::is_directory(folder, failure)) return {};
-    if (fs::exists(folder, failure)) {
-        return Error{ErrorCode::kInvalidArgument,
-                     folder.string() + " is a file: choose another output folder"};
-    }
     if (auto above = make_folders(folder.parent_path(), made); !above.ok()) return above.error();
     if (fs::create_directory(folder, failure)) made.push_back(folder);
     if (failure) return file_error(folder, failure.value());
@@ -32,8 +29,25 @@ Result<void> make_folders(const fs::path& folder, std::vector<fs::path>& made) {
 
 }  // namespace
 
+Result<void> LockedFolder::check(const fs::path& folder) {
+    std::error_code unknown;
+    if (folder.empty() || fs::is_directory(folder, unknown)) return {};
+    if (fs::exists(folder, unknown)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     folder.string() + " is a file: choose another output folder"};
+    }
+    if (fs::is_symlink(folder, unknown)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     folder.string() + " is a link to " +
+                         fs::read_symlink(folder, unknown).string() +
+                         ", which is not there: make that folder, or choose another output folder"};
+    }
+    return check(folder.parent_path());
+}
+
 Result<LockedFolder> LockedFolder::take(const fs::path& folder) {
     LockedFolder locked;
+    if (auto possible = check(folder); !possible.ok()) return possible.error();
     if (auto made = make_folders(folder, locked.made_); !made.ok()) return made.error();
     const fs::path path = folder.empty() ? fs::path(".") : folder;
     locked.descriptor_ = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

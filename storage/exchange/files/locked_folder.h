@@ -14,8 +14,12 @@ namespace psfm {
 class LockedFolder {
   public:
     /// Makes the folder if need be.
-    /// @errors kInUse (another one writes into it), kInvalidArgument (it is a file), kNoSpace, kIo
+    /// @errors kInUse (another one writes into it), kNoSpace, kIo, those of check()
     static Result<LockedFolder> take(const std::filesystem::path& folder);
+
+    /// Whether a folder is there or can be made, apart from permission and space; makes nothing.
+    /// @errors kInvalidArgument (it, or one above it, is a file, or a link that leads nowhere)
+    static Result<void> check(const std::filesystem::path& folder);
 
     LockedFolder() = default;
     LockedFolder(LockedFolder&& other) noexcept;

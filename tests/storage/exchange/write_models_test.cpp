@@ -142,6 +142,12 @@ TEST(WriteModels, OutputThatCannotBeAFolder) {
     EXPECT_TRUE(below.error().message.starts_with(in_the_way + " is a file"))
         << below.error().message;
     EXPECT_EQ(test::count_files(folder.path()), 1U);
+    std::filesystem::create_symlink("nowhere", folder.path() / "link");
+    const auto linked = write_models(models, ExportFormat::kPly, folder.path() / "link" / "below");
+    EXPECT_EQ(linked.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(linked.error().message.starts_with((folder.path() / "link").string() +
+                                                   " is a link to nowhere, which is not there"))
+        << linked.error().message;
 }
 
 TEST(WriteModels, FolderWithoutPermission) {
