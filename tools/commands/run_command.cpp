@@ -14,6 +14,7 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/exchange/export_dataset.h"
 #include "tools/commands/exchange/given_cameras.h"
+#include "tools/commands/exchange/output_folder.h"
 #include "tools/commands/session_options.h"
 
 namespace psfm {
@@ -71,12 +72,10 @@ int run(const CLI::App& command, const RunArguments& arguments) {
         const auto masks = match_masks(arguments.masks, {});
         if (!masks.ok()) return report_error(masks.error(), ErrorOrigin::kOtherInput);
     }
-    if (std::filesystem::exists(arguments.dataset_folder, unknown) &&
-        !std::filesystem::is_directory(arguments.dataset_folder, unknown)) {
-        return report_error(
-            {ErrorCode::kInvalidArgument,
-             arguments.dataset_folder + " is a file: choose another folder for the data set"},
-            ErrorOrigin::kOtherInput);
+    if (!arguments.dataset_folder.empty()) {
+        const auto possible =
+            check_output_folder(arguments.dataset_folder, arguments.session.session);
+        if (!possible.ok()) return report_error(possible.error(), ErrorOrigin::kOtherInput);
     }
     const int code = start_session(command, arguments.session, arguments.photos, *std::move(config),
                                    arguments.watch);

@@ -33,6 +33,7 @@ Outcome run(std::vector<std::string> arguments) {
     CLI::App app{"psfm"};
     app.require_subcommand(1);
     Outcome outcome;
+    add_run_command(app, outcome.exit_code);
     add_export_command(app, outcome.exit_code);
     add_evaluate_command(app, outcome.exit_code);
     std::ranges::reverse(arguments);  // CLI11 takes them from the back
@@ -260,6 +261,32 @@ TEST_F(SessionCommands, SessionWithoutAModel) {
         << exported.errors;
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "x"));
     EXPECT_EQ(run({"evaluate", "--reference", reference(), "--session", session()}).exit_code, 3);
+}
+
+TEST_F(SessionCommands, NothingIsExportedIntoTheSession) {
+    fill();
+    std::filesystem::create_directory_symlink(folder_.path(), folder_.path() / "around");
+    const auto below = std::filesystem::path(session()).filename() / "a" / "b";
+    for (const std::string& place : {session(), session() + "/", session() + "/a/../b",
+                                     output("around") + "/" + below.string()}) {
+        for (const char* format : {"colmap", "dataset", "colmap-database"}) {
+            const Outcome refused =
+                run({"export", "--session", session(), "--format", format, "--output", place});
+            EXPECT_EQ(refused.exit_code, 3) << place;
+            EXPECT_NE(refused.errors.find(place + " is the session " + session()),
+                      std::string::npos)
+                << refused.errors;
+        }
+    }
+    EXPECT_EQ(run({"run", folder_.path().string(), "--session", session(), "--dataset", session()})
+                  .exit_code,
+              3);
+    EXPECT_FALSE(std::filesystem::exists(session() + "/b"));
+    // A name that only begins alike is another folder.
+    EXPECT_EQ(
+        run({"export", "--session", session(), "--format", "ply", "--output", session() + "2"})
+            .exit_code,
+        0);
 }
 
 TEST_F(SessionCommands, BadInputAndUsage) {

@@ -25,6 +25,7 @@
 #include "tools/commands/exchange/export_dataset.h"
 #include "tools/commands/exchange/geo_files.h"
 #include "tools/commands/exchange/geo_report.h"
+#include "tools/commands/exchange/output_folder.h"
 
 namespace psfm {
 namespace {
@@ -71,6 +72,9 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
         std::cerr << "psfm: --points-only goes with --format ply only\n";
         return kUsageError;
     }
+    if (const auto possible = check_output_folder(arguments.output, arguments.session);
+        !possible.ok())
+        return report_error(possible.error(), ErrorOrigin::kOtherInput);
     if (arguments.format == kDatasetFormat) {
         return export_dataset(arguments.session, arguments.output, arguments.after_image,
                               arguments.dataset);
