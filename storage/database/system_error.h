@@ -13,7 +13,7 @@ class Status;
 namespace psfm {
 
 /// Error of the operating system. @param what  "cannot write '/a/b'"
-/// @return kNoSpace for a full disk or quota, else kIo
+/// @return kNoSpace for a full disk or quota, else kIo; where permission is lacking, the remedy too
 Error system_error(const std::string& what, int error_number);
 
 /// Error of RocksDB. @param where  "session '/a'" or "session '/a', images, image 7"

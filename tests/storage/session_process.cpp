@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Another process for the tests of the session store.
 //   session_process hold FOLDER         opens for writing, prints "ready", waits for its input
-//   session_process read FOLDER         reads as someone who may not write, prints how many images
+//   session_process read FOLDER         reads as someone who may not write, prints how many images,
+//                                       or why not
 //   session_process write FOLDER COUNT  opens, commits images up to COUNT, printing each one's
 //                                       number when all its commits have returned
 //   session_process leave FOLDER COUNT  the same, then dies without closing the store
@@ -27,7 +28,10 @@ int read_as_nobody(const std::string& folder) {
     constexpr uid_t kNobody = 65534;
     if (geteuid() == 0 && setuid(kNobody) != 0) return fail("cannot become nobody");
     const auto reader = psfm::open_session_reader(folder, {});
-    if (!reader) return fail(reader.error().message);
+    if (!reader) {
+        std::printf("%s\n", reader.error().message.c_str());
+        return EXIT_FAILURE;
+    }
     const auto images = (*reader)->images();
     if (!images) return fail(images.error().message);
     std::printf("%zu\n", images->size());

@@ -74,6 +74,24 @@ TEST(SessionReader, ReadsASessionThatItMayNotWriteTo) {
     fs::permissions(folder.session(), fs::perms::owner_all);
 }
 
+TEST(SessionReader, NamesWhatItMayNotRead) {
+    const TemporaryFolder folder;
+    ASSERT_TRUE(SessionStore::open(folder.session(), {}).ok());
+    fs::permissions(folder.path(), fs::perms::all);
+    fs::permissions(folder.session(), fs::perms::all);
+    for (const char* name : {kLockFile, kMarkerFile, "db/CURRENT", "db"}) {
+        const fs::path denied = folder.session() / name;
+        const fs::perms before = fs::status(denied).permissions();
+        fs::permissions(denied, fs::perms::none);
+        ChildProcess reader({"read", folder.session().string()});
+        const std::string said = reader.read_line();
+        EXPECT_NE(said.find(denied.string()), std::string::npos) << said;
+        EXPECT_NE(said.find("chmod"), std::string::npos) << said;
+        EXPECT_NE(reader.finish(), 0);
+        fs::permissions(denied, before);
+    }
+}
+
 TEST(SessionReader, FollowsABusyWriterInAnotherProcess) {
     const TemporaryFolder folder;
     constexpr std::uint32_t kImages = 60;
