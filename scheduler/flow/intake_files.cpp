@@ -28,9 +28,8 @@ Result<AcceptedImagePtr> Intake::meet_twin(const ExtractedMessage& message, Imag
     Image& image = state_->images[index_of(twin)];
     ImageSource& source = state_->sources[index_of(twin)];
     const std::filesystem::path folder = source.file.folder;
-    std::error_code unknown;
-    const bool is_gone = !folder.empty() && !std::filesystem::exists(folder / image.name, unknown);
-    if (!is_gone || !message.stamp) {
+    const bool has_moved = !folder.empty() && is_gone(folder / image.name);
+    if (!has_moved || !message.stamp) {
         return reject(message,
                       name + " is a byte-for-byte copy of " + image.name +
                           ", which is in the session; delete one of the two",

@@ -30,4 +30,10 @@ inline std::optional<FileStamp> stamp_of(const std::filesystem::path& file) {
     return FileStamp{static_cast<std::int64_t>(size), since_epoch.count()};
 }
 
+/// Whether there is no file. One that cannot be looked at, for want of permission, is there.
+inline bool is_gone(const std::filesystem::path& file) {
+    std::error_code unknown;
+    return std::filesystem::status(file, unknown).type() == std::filesystem::file_type::not_found;
+}
+
 }  // namespace psfm

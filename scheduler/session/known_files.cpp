@@ -145,13 +145,15 @@ class Comparison {
         }
     }
 
-    /// Whether an image's file is where it was, with its content.
+    /// Whether an image's file is where it was, with its content. One that cannot be read is taken
+    /// for what it was.
     bool is_there(const Image& image) const {
         const fs::path path = path_of(image);
         const auto stamp = stamp_of(path);
-        if (!stamp) return false;
+        if (!stamp) return !is_gone(path);
         if (is_as_seen(image, *stamp)) return true;
-        return hash_of({path, image.name}) == image.metadata.content_hash;
+        const auto hash = hash_of({path, image.name});
+        return !hash || *hash == image.metadata.content_hash;
     }
 
     /// Each image's place: its own where it is still there, else the first file with its content.

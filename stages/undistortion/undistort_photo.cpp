@@ -67,7 +67,8 @@ Result<PictureFiles> make_files(const PhotoFile& photo, std::uint64_t content_ha
                                 std::uint8_t orientation, const UndistortedView& view,
                                 const PictureOptions& options) {
     std::error_code ignored;
-    if (!std::filesystem::exists(photo.path, ignored)) {
+    if (std::filesystem::status(photo.path, ignored).type() ==
+        std::filesystem::file_type::not_found) {
         return about(photo,
                      "is not in its folder any more: put it back, or name the folder with "
                      "--images",

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "scheduler/session/file_stamp.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/photo_order.h"
@@ -41,6 +42,7 @@ Result<FoundPhotos> photos_left(const SessionReader& store, const RunRequest& re
         const bool is_there =
             std::ranges::binary_search(photos->photos, name, {}, &PhotoFile::name);
         if (is_there || !known->insert(name).second) continue;
+        if (!is_gone(request.input / name)) continue;  // rejected, and told of, by who listed them
         if (gone++ == 0) std::cerr << "psfm: " << request.input.string() << " lacks " << name;
     }
     if (gone > 1) std::cerr << " and " << gone - 1 << " more";

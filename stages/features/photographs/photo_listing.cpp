@@ -40,8 +40,9 @@ void take_entry(const fs::directory_entry& entry, const std::string& prefix, Pho
     const std::string name = prefix + base;
     std::error_code error;
     const bool is_link = fs::is_symlink(entry.symlink_status(error));
-    const fs::file_status target = fs::status(entry.path(), error);
-    if (fs::is_directory(target)) {
+    std::error_code failure;
+    const fs::file_status target = fs::status(entry.path(), failure);
+    if (entry.is_directory(error)) {  // known also where it cannot be looked at
         if (is_link)
             return reject(listing, name,
                           "is a link to a folder, which is not followed; name that folder");
@@ -60,11 +61,15 @@ void take_entry(const fs::directory_entry& entry, const std::string& prefix, Pho
     }
     if (fs::is_regular_file(target)) {
         listing.photos.push_back({entry.path(), name});
-    } else if (is_link && !fs::exists(target)) {
+    } else if (is_link && (target.type() == fs::file_type::not_found ||
+                           failure == std::errc::too_many_symbolic_link_levels)) {
         reject(listing, name, "is a link that leads nowhere; mend or remove it");
-    } else {
+    } else if (!fs::exists(target)) {
         reject(listing, name,
-               "is a pipe, socket or device, or cannot be looked at; give an ordinary file");
+               "cannot be looked at (" + failure.message() +
+                   "); give yourself permission (chmod u+x of its folders), or check the disk");
+    } else {
+        reject(listing, name, "is a pipe, socket or device; give an ordinary file");
     }
 }
 

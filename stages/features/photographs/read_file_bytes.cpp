@@ -36,7 +36,7 @@ std::string remedy_of(int error_number) {
     switch (error_number) {
         case EACCES:
         case EPERM:
-            return "; give yourself permission to read it (chmod u+r)";
+            return "; give yourself permission to read it (chmod u+r, and u+x of its folders)";
         case ENOENT:
         case ELOOP:
             return "; check the path, or where the link leads";

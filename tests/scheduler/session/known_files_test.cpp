@@ -156,6 +156,17 @@ TEST_F(KnownFilesTest, CopiesAreLeftToTheSessionToReject) {
     EXPECT_THAT(names(known), ElementsAre("a.jpg", "copy.jpg"));
 }
 
+TEST_F(KnownFilesTest, AFileThatCannotBeLookedAtIsNotGone) {
+    write("a.jpg", "A");
+    take_in(folder_);
+    fs::create_symlink("loop", folder_ / "loop");  // as without permission, for root too
+    sources_[0].file.folder = (folder_ / "loop").string();
+    fs::rename(folder_ / "a.jpg", folder_ / "copy.jpg");
+    const KnownFiles known = compare(folder_);
+    EXPECT_THAT(known.moved, IsEmpty());
+    EXPECT_THAT(known.told, IsEmpty());
+}
+
 TEST_F(KnownFilesTest, ASecondCardsPhotographsGetNamesOfTheirOwn) {
     for (const std::string name : {"1.jpg", "2.jpg"}) {
         write("cardA/" + name, "A" + name);

@@ -98,6 +98,18 @@ TEST(PhotoListingTest, RejectsNamesThatCannotBeShownAndWhatIsNoFile) {
     for (const RejectedPath& rejected : listing->rejected) EXPECT_FALSE(rejected.reason.empty());
 }
 
+TEST(PhotoListingTest, WhatCannotBeLookedAtIsToldWithTheSystemsReason) {
+    const TemporaryFolder folder;
+    folder.write("a.jpg", "x");
+    const std::string too_long(300, 'x');  // refused as without permission, for root too
+    fs::create_symlink(too_long, folder.path() / "b.jpg");
+    const auto listing = list_photos(folder.path());
+    ASSERT_TRUE(listing) << listing.error().message;
+    ASSERT_THAT(rejected_of(*listing), ElementsAre("b.jpg"));
+    EXPECT_THAT(listing->rejected.front().reason,
+                HasSubstr("cannot be looked at (File name too long); give yourself permission"));
+}
+
 TEST(PhotoListingTest, FoldersWithoutPhotographsAreErrorsWithARemedy) {
     const TemporaryFolder folder;
     EXPECT_THAT(failure(folder.path()), HasSubstr("holds no photographs; put some into it"));

@@ -59,6 +59,17 @@ TEST_F(UndistortPhotoTest, WhatNeedsNothingIsCopied) {
     EXPECT_EQ(files->bytes.front(), bytes);
 }
 
+TEST_F(UndistortPhotoTest, WhatCannotBeReadIsNotGone) {
+    const auto gone =
+        undistort_photo({folder_.path() / "a.jpg", "a.jpg"}, 1, 1, view_of(120, 80, 0.0), {});
+    EXPECT_THAT(gone.error().message, HasSubstr("is not in its folder any more"));
+    std::filesystem::create_symlink("loop", folder_.path() / "loop");
+    // As without permission, for root too.
+    const auto denied = undistort_photo({folder_.path() / "loop" / "a.jpg", "a.jpg"}, 1, 1,
+                                        view_of(120, 80, 0.0), {});
+    EXPECT_THAT(denied.error().message, StartsWith("a.jpg: cannot be opened"));
+}
+
 // cv::imread, which OpenSplat uses, turns what says how to turn it.
 TEST_F(UndistortPhotoTest, AllEightOrientationsComeUprightAndSayNothingOfIt) {
     cv::Mat upright = textured_image(80, 80);

@@ -11,6 +11,7 @@
 
 #include "graph/wording.h"
 #include "scheduler/front_end/foreign_features.h"
+#include "scheduler/session/file_stamp.h"
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/export_models.h"
@@ -261,13 +262,10 @@ class DatasetExport {
 
     Error no_photographs(const std::filesystem::path& place,
                          const std::vector<std::string>& reasons) const {
-        std::error_code ignored;
-        if (std::ranges::none_of(photos_, [&](const std::filesystem::path& folder) {
-                return std::filesystem::is_directory(folder, ignored);
-            })) {
+        if (std::ranges::all_of(photos_, is_gone)) {
             return {ErrorCode::kNotFound,
                     photos_.back().string() +
-                        " is no folder of photographs: name the one that has them with --images"};
+                        " is not there: name the folder that has the photographs with --images"};
         }
         return {ErrorCode::kNotFound, "no photograph of " + place.string() + " can be used: " +
                                           (reasons.empty() ? "none is known" : reasons.front())};
