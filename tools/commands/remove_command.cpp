@@ -45,7 +45,8 @@ std::string name_in_session(const std::string& given, const std::string& photo_f
     return relative.empty() || relative.starts_with("..") ? given : relative;
 }
 
-/// The images of these names, of those that were removed or of the others.
+/// The images of these names: of those that were removed and may not come in again, or of those
+/// that were not.
 /// @errors kNotFound (names one that is not there)
 Result<std::vector<SourcedImage>> find_images(const SessionReader& store,
                                               const std::vector<std::string>& names,
@@ -56,8 +57,9 @@ Result<std::vector<SourcedImage>> find_images(const SessionReader& store,
     if (!sources.ok()) return sources.error();
     std::multimap<std::string, ImageId> by_name;
     for (const Image& image : *images) {
-        if ((*sources)[index_of(image.id)].removed == removed)
-            by_name.emplace(image.name, image.id);
+        if ((*sources)[index_of(image.id)].removed != removed) continue;
+        const bool may_come_in = removed && image.metadata.content_hash == 0;  // as take_back
+        if (!may_come_in) by_name.emplace(image.name, image.id);
     }
     std::set<ImageId> found;
     for (const std::string& given : names) {
@@ -66,10 +68,11 @@ Result<std::vector<SourcedImage>> find_images(const SessionReader& store,
         const auto [first, last] = by_name.equal_range(name);
         if (first == last) {
             return Error{ErrorCode::kNotFound,
-                         removed ? given + " was not removed from the session"
-                                 : given +
-                                       " is no image of the session; 'psfm status' names those "
-                                       "that wait or were rejected"};
+                         removed
+                             ? given + " is not kept out of the session: there is nothing to undo"
+                             : given +
+                                   " is no image of the session; 'psfm status' names those "
+                                   "that wait or were rejected"};
         }
         for (auto image = first; image != last; ++image) found.insert(image->second);
     }

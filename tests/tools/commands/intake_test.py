@@ -190,7 +190,10 @@ class Intake(Sessions):
         self.assertEqual(self.status()["images"], 6)
         self.ends(0, "resume", "--session", self.session)
         self.ends(0, *remove, "--undo", names[3])
+        self.assertIn(f"{names[3]} is not kept out of the session: there is nothing to undo",
+                      self.ends(BAD_INPUT, *remove, "--undo", names[3]))
         self.run_on(photos)
+        self.ends(BAD_INPUT, *remove, "--undo", names[3])
         status = self.status()
         self.assertEqual((status["images"], status["placed"], status["rejected"]), (7, 7, 0))
         self.assertIn("renamed.jpg", self.names())
