@@ -35,10 +35,15 @@ const char* advice_for(WaitReason reason) {
     return "";
 }
 
-RejectionWords split_rejection(const std::string& stored_reason) {
-    const std::size_t cut = stored_reason.rfind("; ");
-    if (cut == std::string::npos) return {stored_reason, {}};
-    return {stored_reason.substr(0, cut), stored_reason.substr(cut + 2)};
+RejectionWords split_rejection(const std::string& name, const std::string& stored_reason) {
+    std::string_view reason = stored_reason;
+    for (const char* end : {": ", " "}) {
+        if (reason == stored_reason && reason.starts_with(name + end))
+            reason.remove_prefix(name.size() + std::string_view(end).size());
+    }
+    const std::size_t cut = reason.rfind("; ");
+    if (cut == std::string_view::npos) return {std::string(reason), {}};
+    return {std::string(reason.substr(0, cut)), std::string(reason.substr(cut + 2))};
 }
 
 }  // namespace psfm

@@ -183,7 +183,7 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
     });
     const auto accepted = static_cast<std::uint32_t>(facts.facts.size());
     for (const RejectedPhoto& photo : facts.rejected) {
-        const RejectionWords words = split_rejection(photo.reason);
+        const RejectionWords words = split_rejection(photo.name, photo.reason);
         ImageFact fact;
         fact.name = photo.name;
         fact.state = ImageState::kRejected;

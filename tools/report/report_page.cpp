@@ -75,14 +75,8 @@ std::string not_placed(const ReportFacts& facts) {
     std::map<std::string, Group> groups;
     for (const ImageFact& fact : facts.session.facts) {
         if (fact.state == ImageState::kPlaced) continue;
-        // A rejection's reason begins with the photograph's name.
-        std::string reason = fact.words;
-        if (fact.state == ImageState::kRejected) {
-            reason =
-                reason.starts_with(fact.name + ": ") ? reason.substr(fact.name.size() + 2) : reason;
-            reason = "rejected: " + reason;
-        }
-        Group& group = groups[reason];
+        const bool is_rejected = fact.state == ImageState::kRejected;
+        Group& group = groups[(is_rejected ? "rejected: " : "") + fact.words];
         group.advice = fact.advice;
         group.names.push_back(fact.name);
     }

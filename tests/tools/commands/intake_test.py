@@ -183,6 +183,8 @@ class Intake(Sessions):
         status = self.status()
         self.assertEqual((status["images"], status["placed"], status["rejected"]), (6, 6, 1))
         self.assertNotIn(names[3], self.names())
+        removed = [image["words"] for image in status["image_list"] if image["name"] == names[3]]
+        self.assertEqual(removed, ["was taken out with 'psfm remove', which '--undo' takes back"])
         self.ends(0, "check", "--session", self.session)
         self.run_on(photos)
         (photos / names[3]).rename(photos / "renamed.jpg")

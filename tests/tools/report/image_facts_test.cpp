@@ -57,10 +57,17 @@ TEST(ImageAdvice, EveryReasonHasACodeOfItsOwnAndAdvice) {
 }
 
 TEST(ImageAdvice, ARejectionIsTakenApartAtItsRemedy) {
-    const RejectionWords words = split_rejection("a.jpg: is truncated; copy it again");
-    EXPECT_EQ(words.reason, "a.jpg: is truncated");
+    const RejectionWords words = split_rejection("a.jpg", "a.jpg: is truncated; copy it again");
+    EXPECT_EQ(words.reason, "is truncated");
     EXPECT_EQ(words.advice, "copy it again");
-    EXPECT_EQ(split_rejection("a.jpg: is no image").advice, "");
+    EXPECT_EQ(split_rejection("a.jpg", "a.jpg: is no image").advice, "");
+}
+
+TEST(ImageAdvice, ARejectionIsToldWithoutTheNameInFrontOfIt) {
+    EXPECT_EQ(split_rejection("a.jpg", "a.jpg is a copy of b.jpg").reason, "is a copy of b.jpg");
+    EXPECT_EQ(split_rejection("a.jpg", "a.jpg: a.jpg is a folder").reason, "a.jpg is a folder");
+    EXPECT_EQ(split_rejection("a", "a.jpg is a folder").reason, "a.jpg is a folder");
+    EXPECT_EQ(split_rejection("b.jpg", "a.jpg: is no image").reason, "a.jpg: is no image");
 }
 
 }  // namespace
