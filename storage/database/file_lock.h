@@ -49,7 +49,8 @@ class SessionLock {
 };
 
 /// A reader's own folder beside the writer: SESSION/secondary/PID-N, or one among the temporary
-/// files where the reader may not write into the session. Removed at the end.
+/// files where the reader may not write into the session. Held by a flock(2) and removed at the
+/// end; what a reader that was killed left, the next writer or reader there removes.
 class ReaderFolder {
   public:
     /// @errors kNoSpace, kIo
@@ -61,6 +62,9 @@ class ReaderFolder {
     const std::filesystem::path& path() const { return path_; }
 
   private:
+    static Result<ReaderFolder> make_temporary();
+    /// One that was just made. Nothing where somebody took it for an abandoned one before that.
+    static Result<std::optional<ReaderFolder>> hold(const std::filesystem::path& path);
     ReaderFolder(std::filesystem::path path, FileHandle lock)
         : path_(std::move(path)), lock_(std::move(lock)) {}
     std::filesystem::path path_;

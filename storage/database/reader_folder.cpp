@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "storage/database/file_lock.h"
@@ -17,8 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMaxReaders = 100'000;  // Guard: ends the search for a free name
+
 FileHandle open_folder(const fs::path& path) {
-    return FileHandle(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    return FileHandle(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
 }
 
 /// Whether the path still leads to the open folder.
@@ -34,48 +38,84 @@ Error cannot_make(const fs::path& path) {
                         errno);
 }
 
+Error too_many(const fs::path& parent) {
+    return {ErrorCode::kIo, "too many readers in " + quoted(parent)};
+}
+
 /// Whether the reader may read the session and write nothing into it.
 bool is_read_only(int error_number) {
     return error_number == EACCES || error_number == EROFS || error_number == EPERM;
 }
 
-/// A new folder among the temporary files. No writer looks there, so that nobody takes it away.
-Result<fs::path> make_temporary() {
-    std::error_code failure;
-    fs::path pattern = fs::temp_directory_path(failure);
-    if (failure) pattern = "/tmp";
-    std::string name = (pattern / "psfm-reader-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) return cannot_make(name);
-    return fs::path(name);
+/// Removes the folders whose names begin so and that nobody holds. Failures are left for next time.
+void remove_abandoned(const fs::path& parent, std::string_view beginning) {
+    std::error_code ignored;
+    std::vector<fs::path> folders;
+    for (fs::directory_iterator entry(parent, ignored), end; !ignored && entry != end;
+         entry.increment(ignored)) {
+        if (entry->path().filename().string().starts_with(beginning))
+            folders.push_back(entry->path());
+    }
+    for (const fs::path& folder : folders) {
+        const FileHandle handle = open_folder(folder);
+        if (!handle.is_open()) continue;
+        const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, folder);
+        // Expected: what cannot be locked is left there
+        if (locked.ok() && *locked) fs::remove_all(folder, ignored);
+    }
 }
 
 }  // namespace
+
+Result<std::optional<ReaderFolder>> ReaderFolder::hold(const fs::path& path) {
+    FileHandle handle = open_folder(path);
+    if (!handle.is_open()) return std::optional<ReaderFolder>();
+    const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, path);
+    if (!locked.ok()) return locked.error();
+    if (!*locked || !still_there(path, handle)) return std::optional<ReaderFolder>();
+    return std::optional<ReaderFolder>(ReaderFolder(path, std::move(handle)));
+}
+
+Result<ReaderFolder> ReaderFolder::make_temporary() {
+    constexpr const char* kBeginning = "psfm-reader-";
+    std::error_code failure;
+    fs::path parent = fs::temp_directory_path(failure);
+    if (failure) parent = "/tmp";
+    remove_abandoned(parent, kBeginning);
+    for (int n = 0; n < kMaxReaders; ++n) {
+        std::string name = (parent / kBeginning).string() + "XXXXXX";
+        if (::mkdtemp(name.data()) == nullptr) {
+            return Error{ErrorCode::kIo,
+                         "cannot make a folder in " + quoted(parent) +
+                             ", which reading a session without writing into it takes: " +
+                             std::generic_category().message(errno) +
+                             "; name a folder that can be written: TMPDIR=FOLDER psfm …"};
+        }
+        auto held = hold(name);
+        if (!held.ok()) return held.error();
+        if (*held) return **std::move(held);
+    }
+    return too_many(parent);
+}
 
 Result<ReaderFolder> ReaderFolder::make(const fs::path& session) {
     const fs::path parent = session / kReadersFolder;
     const auto elsewhere = [&](const fs::path& path) -> Result<ReaderFolder> {
         if (!is_read_only(errno)) return cannot_make(path);
-        auto made = make_temporary();
-        if (!made.ok()) return made.error();
-        return ReaderFolder(*made, open_folder(*made));
+        return make_temporary();
     };
     if (::mkdir(parent.c_str(), 0755) != 0 && errno != EEXIST) return elsewhere(parent);
-    constexpr int kMaxReaders = 100'000;  // Guard: ends the search for a free name
     for (int n = 0; n < kMaxReaders; ++n) {
         const fs::path path = parent / (std::to_string(getpid()) + "-" + std::to_string(n));
         if (::mkdir(path.c_str(), 0755) != 0) {
             if (errno == EEXIST) continue;
             return elsewhere(path);
         }
-        FileHandle handle = open_folder(path);
-        if (!handle.is_open()) continue;
-        // A writer that opens just now may take the folder for a stale one before the lock is on
-        // it.
-        const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, path);
-        if (!locked.ok()) return locked.error();
-        if (*locked && still_there(path, handle)) return ReaderFolder(path, std::move(handle));
+        auto held = hold(path);
+        if (!held.ok()) return held.error();
+        if (*held) return **std::move(held);
     }
-    return Error{ErrorCode::kIo, "too many readers in " + quoted(parent)};
+    return too_many(parent);
 }
 
 ReaderFolder::~ReaderFolder() {
@@ -85,19 +125,7 @@ ReaderFolder::~ReaderFolder() {
 }
 
 void remove_stale_reader_folders(const fs::path& session) {
-    std::error_code ignored;
-    std::vector<fs::path> folders;
-    for (fs::directory_iterator entry(session / kReadersFolder, ignored), end;
-         !ignored && entry != end; entry.increment(ignored)) {
-        folders.push_back(entry->path());
-    }
-    for (const fs::path& folder : folders) {
-        const FileHandle handle = open_folder(folder);
-        if (!handle.is_open()) continue;
-        const auto locked = handle.try_lock(FileHandle::LockMode::kExclusive, folder);
-        // Expected: what cannot be locked is left there
-        if (locked.ok() && *locked) fs::remove_all(folder, ignored);
-    }
+    remove_abandoned(session / kReadersFolder, "");
 }
 
 }  // namespace psfm

@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <thread>
 
 #include "storage/database/session_folder.h"
@@ -67,10 +72,33 @@ TEST(SessionReader, ReadsASessionThatItMayNotWriteTo) {
                           fs::perms::group_exec | fs::perms::others_read | fs::perms::others_exec;
     fs::permissions(folder.path(), fs::perms::owner_all | may_read);
     fs::permissions(folder.session(), may_read);
+    // What a reader that was killed left among the temporary files goes; what is in use stays.
+    const fs::path temporary = folder.path() / "tmp";
+    fs::create_directories(temporary / "psfm-reader-killed");
+    fs::create_directories(temporary / "psfm-reader-at-work");
+    fs::create_directories(temporary / "others");
+    fs::permissions(temporary, fs::perms::all);
+    const int at_work = ::open((temporary / "psfm-reader-at-work").c_str(), O_RDONLY | O_CLOEXEC);
+    ASSERT_EQ(::flock(at_work, LOCK_EX), 0);
+    ::setenv("TMPDIR", temporary.c_str(), 1);
     ChildProcess reader({"read", folder.session().string()});
     EXPECT_EQ(reader.read_line(), "5");
     EXPECT_EQ(reader.finish(), 0);
     EXPECT_FALSE(fs::exists(folder.session() / kReadersFolder));
+    std::set<std::string> left;
+    for (const auto& entry : fs::directory_iterator(temporary))
+        left.insert(entry.path().filename());
+    EXPECT_EQ(left, (std::set<std::string>{"others", "psfm-reader-at-work"}));
+
+    fs::permissions(temporary, may_read);
+    ChildProcess denied({"read", folder.session().string()});
+    const std::string said = denied.read_line();
+    EXPECT_NE(said.find("in '" + temporary.string() + "'"), std::string::npos) << said;
+    EXPECT_NE(said.find("TMPDIR="), std::string::npos) << said;
+    EXPECT_NE(denied.finish(), 0);
+    ::unsetenv("TMPDIR");
+    ::close(at_work);
+    fs::permissions(temporary, fs::perms::owner_all);
     fs::permissions(folder.session(), fs::perms::owner_all);
 }
 
