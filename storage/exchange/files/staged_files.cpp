@@ -125,7 +125,8 @@ Result<void> StagedFiles::commit() {
     for (const auto& path : outdated_) {
         const bool written = std::ranges::find(staged_, path, &Staged::path) != staged_.end();
         if (written) continue;
-        if (!std::filesystem::remove(path, failure) && failure) {
+        std::filesystem::remove(path, failure);
+        if (failure && failure != std::errc::directory_not_empty) {
             return file_error(path, failure.value());
         }
         auto folder = path.parent_path();

@@ -36,7 +36,8 @@ class StagedFiles {
                              const std::filesystem::path& path);
     /// Makes a folder if need be; commit() leaves it, also when it is empty.
     Result<void> folder(const std::filesystem::path& path);
-    /// Marks an outdated file, and folders above it that become empty, for removal by commit().
+    /// Marks an outdated file, or a folder that goes if it is empty, and folders above that become
+    /// empty, for removal by commit().
     void remove_outdated(const std::filesystem::path& path);
 
     /// Removes what is outdated and gives all files their names.

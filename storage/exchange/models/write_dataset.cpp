@@ -27,13 +27,16 @@ Result<void> stage_stereo(const ExportedModel& model, const std::filesystem::pat
         }
     });
     if (!written.ok()) return written.error();
-    for (const char* folder : kStereoFolders) {
-        if (auto made = files.folder(stereo / folder); !made.ok()) return made.error();
-    }
     return {};
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> dataset_folders(const std::filesystem::path& place) {
+    std::vector<std::filesystem::path> paths;
+    for (const char* name : kStereoFolders) paths.push_back(place / "stereo" / name);
+    return paths;
+}
 
 std::vector<std::filesystem::path> dataset_model_files(const std::filesystem::path& place) {
     std::vector<std::filesystem::path> paths;
@@ -65,7 +68,12 @@ Result<void> stage_dataset(const ExportedModel& model, const std::filesystem::pa
     written = stage_nerfstudio(model, place, "images", masks ? "masks" : "",
                                PlyContents::kPointsWithNormals, files);
     if (!written.ok()) return written.error();
-    return stage_stereo(model, place / "stereo", files);
+    if (written = stage_stereo(model, place / "stereo", files); !written.ok())
+        return written.error();
+    for (const auto& folder : dataset_folders(place)) {
+        if (auto made = files.folder(folder); !made.ok()) return made.error();
+    }
+    return {};
 }
 
 }  // namespace psfm

@@ -12,6 +12,8 @@ namespace psfm {
 
 /// The files of a data set's model, in its folder.
 std::vector<std::filesystem::path> dataset_model_files(const std::filesystem::path& place);
+/// The folders beside them that are made for other programs to write into.
+std::vector<std::filesystem::path> dataset_folders(const std::filesystem::path& place);
 
 /// A model of pictures (dataset_model) as every reader wants it, in PLACE:
 ///   sparse/0/{cameras,images,points3D}.bin   COLMAP's; linked as sparse/*.bin for COLMAP's and

@@ -10,6 +10,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "storage/exchange/models/read_colmap.h"
 #include "tests/storage/exchange/example_model.h"
@@ -27,6 +28,13 @@ struct Outcome {
     std::string output;
     std::string errors;
 };
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::istringstream stream(text);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+}
 
 class ExportDataset : public testing::Test {
   protected:
@@ -301,6 +309,26 @@ TEST_F(ExportDataset, WhatIsNotOursIsLeftAlone) {
     session_.publish(2, cameras);
     ASSERT_EQ(export_to("data").exit_code, 0);
     EXPECT_EQ(test::file_bytes(place("data/0/output/splats.ply")), "trained");
+}
+
+TEST_F(ExportDataset, OfAPartThatIsNoMoreNothingIsLeft) {
+    ASSERT_EQ(export_to("data").exit_code, 0);
+    // As if the session had had two more parts then.
+    std::string list = test::file_bytes(place("data/.psfm-export"));
+    for (const std::string& line : lines_of(list)) {
+        for (const char* part : {"7", "8"}) {
+            if (line.starts_with("0/")) list += part + line.substr(1) + "\n";
+        }
+    }
+    test::put_file(place("data/.psfm-export"), list);
+    for (const char* part : {"data/7", "data/8"})
+        fs::copy(place("data/0"), place(part), fs::copy_options::recursive);
+    test::put_file(place("data/8/stereo/depth_maps/five.bin"), "by COLMAP");
+    ASSERT_EQ(export_to("data").exit_code, 0);
+    EXPECT_FALSE(fs::exists(place("data/7")));
+    EXPECT_EQ(test::count_files(place("data/8")), 1U);
+    EXPECT_FALSE(fs::exists(place("data/8/stereo/normal_maps")));
+    EXPECT_TRUE(fs::exists(place("data/0/stereo/depth_maps")));
 }
 
 TEST_F(ExportDataset, LeftoversOfAKilledExportGo) {

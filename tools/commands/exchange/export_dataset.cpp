@@ -217,6 +217,7 @@ class DatasetExport {
         for (const auto& path : others) {
             if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
         }
+        for (const auto& folder : dataset_folders(place)) ours_.insert(folder);
         for (const std::string& folder : picture_folders(options_.picture))
             remove_leftovers(place / folder);
         const std::size_t wanted = plan->tasks.size();
