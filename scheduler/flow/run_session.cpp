@@ -185,6 +185,9 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     SessionRun run;
     run.interrupted = stop.load();
     run.counts = committer.state().counts;
+    // Those that have arrived since the last version wait, too.
+    run.counts.images = committer.state().image_count();
+    run.counts.waiting = run.counts.images - std::min(run.counts.images, run.counts.placed);
     run.usage = times.usage();
     run.usage.threads = threads;
     run.weak = weak_models(committer.state());

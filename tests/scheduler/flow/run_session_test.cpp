@@ -155,6 +155,50 @@ TEST_F(RunSessionTest, AStoppedSessionEndsWhereItWouldHaveEnded) {
     expect_equal(scene_of(folder / "whole"), scene_of(session));
 }
 
+/// Photographs; once the session has them all, the run is stopped.
+class StoppingSource final : public PhotoSource {
+  public:
+    StoppingSource(std::vector<PhotoFile> photos, const SessionStore& store,
+                   std::atomic<bool>& stop)
+        : photos_(std::move(photos)), store_(&store), stop_(&stop) {}
+
+    Next next(PhotoFile& photo) override {
+        constexpr int kMostPolls = 600;
+        if (handed_on_ < photos_.size()) {
+            photo = photos_[handed_on_++];
+            return Next::kPhoto;
+        }
+        if (store_->images()->size() < photos_.size() && ++polls_ < kMostPolls) return Next::kLater;
+        stop_->store(true);
+        return Next::kEnd;
+    }
+
+  private:
+    std::vector<PhotoFile> photos_;
+    const SessionStore* store_;
+    std::atomic<bool>* stop_;
+    std::size_t handed_on_ = 0;
+    int polls_ = 0;
+};
+
+TEST_F(RunSessionTest, AStoppedSessionCountsWhatHasArrivedSinceItsLastVersion) {
+    auto store = SessionStore::open(fresh("counted"), {});
+    ASSERT_TRUE(store.ok()) << store.error().message;
+    SessionConfig config;
+    config.batch = true;  // no version before the last photograph
+    ExecutionOptions execution;
+    execution.threads = 2;
+    Counter counter;
+    std::atomic<bool> stop = false;
+    StoppingSource source(photos(), **store, stop);
+    const auto run = run_session(**store, config, execution, source, counter, stop);
+    ASSERT_TRUE(run.ok()) << run.error().message;
+    EXPECT_TRUE(run->interrupted);
+    EXPECT_EQ(run->counts.images, 9U);
+    EXPECT_EQ(run->counts.placed + run->counts.waiting, 9U);
+    EXPECT_EQ(run->waiting.size(), run->counts.waiting);
+}
+
 TEST_F(RunSessionTest, ALaterRunAddsOnlyWhatIsNew) {
     const SessionConfig config;
     const fs::path session = fresh("later");

@@ -112,7 +112,11 @@ void Progress::on_publish(const PublishMessage& publish) {
     }
     time_left_.on_photos(now(), done_);
     if (settling_ > 0) time_left_.on_settled(publish.counts.solves_settle - settled_before_);
-    counts_ = publish.counts;
+    show(publish.counts);
+}
+
+void Progress::show(const SessionCounts& counts) {
+    counts_ = counts;
     if (!terminal_) return;
     std::cerr << "\r\x1b[K" << line() << std::flush;
     line_open_ = true;
@@ -133,6 +137,7 @@ void Progress::write_log(const PublishMessage& publish) {
 void Progress::on_end(const SessionRun& run) {
     const std::lock_guard lock(mutex_);
     if (log_) log_->write(run.usage);
+    show(run.counts);
 }
 
 void Progress::say(const std::string& line) {

@@ -29,7 +29,7 @@ class Progress final : public SessionObserver {
     Progress& operator=(const Progress&) = delete;
 
     void on_publish(const PublishMessage& publish) override;
-    /// The run is over: the log's last line.
+    /// The run is over: the log's last line, and counts as the run ends with them.
     void on_end(const SessionRun& run);
     /// The log was asked for and could not be written to the end.
     bool log_failed() const { return log_ && !log_->good(); }
@@ -38,6 +38,7 @@ class Progress final : public SessionObserver {
     /// Says so when the log can no longer be written, and when it can again.
     void write_log(const PublishMessage& publish);
     void say(const std::string& line);
+    void show(const SessionCounts& counts);
     std::string line() const;
     double now() const;
     void tick();  // until it is stopped
