@@ -167,6 +167,8 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.doubt.missing_by_chance, 0, kCount, "regions that are missing from one of two models by chance", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.missing_penalty, 0, 10000.0, "how fast an edge loses weight with the part of regions missing across it", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.more_explained, 1, 1000, "factor of observations by which a better model explains more", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.as_well_explained, 0, 1, "the same for one without a doubt in the place of a doubted one", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.doubt.min_rivalry, 0, 1000, "squares of relative matches that each of two rivals explains and the other denies", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.outweighed, 0, 1000, "and from which its parts are kept apart, where they hang together by little", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.thin, 0, 1000, "which is less than this: squares of matches over those of the best edges", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.unknown_rate, 0.001, 1, "rate of points found again where a pair shares next to nothing", "ours; docs/look-alikes.md"),

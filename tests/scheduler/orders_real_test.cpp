@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <numeric>
 #include <random>
 
 #include "scheduler/flow/run_session.h"
@@ -50,39 +51,59 @@ class Orders : public testing::TestWithParam<unsigned> {
         return poses;
     }
 
+    /// Runs a session of the listed photographs; no part may have an outlier.
+    /// @return images of each part
+    std::vector<std::size_t> right_parts(std::vector<PhotoFile> listed) const {
+        const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, 3);
+        auto store = SessionStore::open(session_, {});
+        EXPECT_TRUE(store.ok());
+        PhotoList photos(std::move(listed));
+        Nobody nobody;
+        const std::atomic<bool> stop{false};
+        SessionConfig config;
+        config.deterministic = true;
+        const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
+        EXPECT_TRUE(run.ok()) << run.error().message;
+        const auto parts = test::parts_of(**store);
+        EXPECT_TRUE(parts.ok());
+        std::vector<std::size_t> sizes;
+        for (const auto& [part, poses] : *parts) {
+            const auto evaluation = evaluate_model(truth(), poses);
+            EXPECT_TRUE(evaluation.ok());
+            EXPECT_EQ(evaluation->outliers, 0U) << "part of " << poses.size() << " images";
+            sizes.push_back(poses.size());
+        }
+        return sizes;
+    }
+
     fs::path folder_;
     fs::path session_;
 };
 
 TEST_P(Orders, TwoAlikeHousesAreTwo) {
-    const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, 3);
-    auto store = SessionStore::open(session_, {});
-    ASSERT_TRUE(store.ok());
     auto listing = list_photos(folder_ / "images");
     ASSERT_TRUE(listing.ok());
     std::mt19937 random(GetParam());
     std::ranges::shuffle(listing->photos, random);
-    PhotoList photos(listing->photos);
-    Nobody nobody;
-    const std::atomic<bool> stop{false};
-    SessionConfig config;
-    config.deterministic = true;
-    const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
-    ASSERT_TRUE(run.ok()) << run.error().message;
-    const auto parts = test::parts_of(**store);
-    ASSERT_TRUE(parts.ok());
-    std::size_t placed = 0;
-    for (const auto& [part, poses] : *parts) {
-        const auto evaluation = evaluate_model(truth(), poses);
-        ASSERT_TRUE(evaluation.ok());
-        EXPECT_EQ(evaluation->outliers, 0U) << "part of " << poses.size() << " images";
-        placed += poses.size();
-    }
-    EXPECT_EQ(placed, listing->photos.size());
-    EXPECT_EQ(parts->size(), 1U);
+    EXPECT_EQ(right_parts(listing->photos), std::vector<std::size_t>{listing->photos.size()});
+}
+
+/// Without what joins the houses. Name order; the parameter is how many photographs are missing.
+class Gaps : public Orders {};
+
+TEST_P(Gaps, WhatNothingJoinsIsRightInTwoParts) {
+    auto listing = list_photos(folder_ / "images");
+    ASSERT_TRUE(listing.ok());
+    auto& photos = listing->photos;
+    const auto first = photos.begin() + 10 - GetParam() / 2 - 1;
+    photos.erase(first, first + GetParam());
+    const std::vector<std::size_t> parts = right_parts(photos);
+    EXPECT_EQ(parts.size(), 2U);
+    EXPECT_EQ(std::accumulate(parts.begin(), parts.end(), std::size_t{0}), photos.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Street, Orders, testing::Values(1U, 2U, 3U));
+INSTANTIATE_TEST_SUITE_P(Street, Gaps, testing::Values(1U, 3U));
 
 }  // namespace
 }  // namespace psfm

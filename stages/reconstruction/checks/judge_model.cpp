@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "stages/reconstruction/checks/judged_model.h"
+
 namespace psfm {
 namespace {
 
@@ -52,7 +54,8 @@ bool is_better(const SolveAttempt& fresh, const SolveAttempt& old, Reset::Reason
     if (reason == Reset::Reason::kContradiction) {
         return contradicting_part(fresh) < contradicting_part(old) &&
                5 * size >= 4 * old.model.images.size() &&
-               5 * observation_count(fresh.model) >= 4 * observation_count(old.model);
+               5 * observation_count(fresh.model) >= 4 * observation_count(old.model) &&
+               !brings_doubt(fresh.model, old.model, options);
     }
     return size > old.model.images.size() &&
            contradicting_part(fresh) <= options.max_contradicting_edges;

@@ -45,9 +45,9 @@ bool is_put_off(const SolveAttempt& attempt, const ClusterProblem& problem, Rese
                 const SolveOptions& options);
 
 /// Whether a new model is the better one. In place of a bad one: a smaller part of its edges
-/// contradicts, and it explains not much less; when the averaged rotations are wrong, what is built
-/// on them agrees with them and loses its structure. In place of a stuck one: it is larger, and
-/// hardly an edge contradicts (ours).
+/// contradicts, it explains not much less, and brings no doubt (brings_doubt); when the averaged
+/// rotations are wrong, what is built on them agrees with them and loses its structure. In place of
+/// a stuck one: it is larger, and hardly an edge contradicts (ours).
 bool is_better(const SolveAttempt& fresh, const SolveAttempt& old, Reset::Reason reason,
                const SolveOptions& options);
 

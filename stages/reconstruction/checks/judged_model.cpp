@@ -65,6 +65,29 @@ std::uint32_t observations_by_place(const SolveAttempt& attempt) {
     return observations;
 }
 
+void add_regions(const std::vector<ComparedPair>& compared, const DoubtOptions& options,
+                 ModelScore& score) {
+    for (const ComparedPair& pair : compared) {
+        score.regions += pair.regions;
+        score.missing += pair.missing;
+        score.contradicting += contradicts(pair, options) ? 1 : 0;
+    }
+}
+
+bool places_as_many(const ModelScore& other, const ModelScore& best) {
+    return other.images >= best.images && other.loose <= best.loose;
+}
+
+/// More than chance has it.
+bool misses_less(const ModelScore& one, const ModelScore& than, const DoubtOptions& options) {
+    return one.missing_part() < options.clearly_less * than.missing_part() &&
+           one.missing + options.missing_by_chance <= than.missing;
+}
+
+bool explains(const ModelScore& other, const ModelScore& best, double factor) {
+    return other.observations >= factor * best.observations;
+}
+
 }  // namespace
 
 bool ModelEdge::is_explained(const DoubtOptions& options) const {
@@ -106,6 +129,36 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
     return edges;
 }
 
+bool brings_doubt(const Reconstruction& model, const Reconstruction& than,
+                  const SolveOptions& options) {
+    if (!options.policy.may_be_doubted(std::max(model.images.size(), than.images.size())))
+        return false;
+    const auto score = [&](const Reconstruction& of) {
+        ModelScore sum;
+        add_regions(compare_by_region(of, options.doubt), options.doubt, sum);
+        return sum;
+    };
+    const ModelScore clean = score(than), other = score(model);
+    return clean.contradicting == 0 && other.contradicting > 0 &&
+           misses_less(clean, other, options.doubt);
+}
+
+ModelScore score_of(const Judged& judged, const SolveOptions& options) {
+    const Reconstruction& model = judged.attempt.model;
+    ModelScore score;
+    score.images = static_cast<std::uint32_t>(model.images.size());
+    score.observations = observations_by_place(judged.attempt);
+    score.loose =
+        static_cast<std::uint32_t>(loose_images(model, options.policy.mu_min, options.assessment));
+    add_regions(judged.compared, options.doubt, score);
+    for (const ModelEdge& edge : judged.edges) {
+        if (edge.is_denied(options.doubt) && edge.relative >= options.doubt.min_denied)
+            ++score.denied;
+    }
+    score.in_places = judged.attempt.places && !judged.attempt.places->empty();
+    return score;
+}
+
 Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOptions& options) {
     Judged judged;
     if (!attempt.places) {
@@ -115,41 +168,24 @@ Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOpt
     }
     judged.compared = compare_by_region(attempt.model, options.doubt);
     judged.edges = edges_of(attempt.model, problem, judged.compared, options.doubt);
-    ModelScore& score = judged.score;
-    score.images = static_cast<std::uint32_t>(attempt.model.images.size());
-    score.observations = observations_by_place(attempt);
-    score.loose = static_cast<std::uint32_t>(
-        loose_images(attempt.model, options.policy.mu_min, options.assessment));
-    for (const ComparedPair& pair : judged.compared) {
-        score.regions += pair.regions;
-        score.missing += pair.missing;
-        score.contradicting += contradicts(pair, options.doubt) ? 1 : 0;
-    }
-    for (const ModelEdge& edge : judged.edges) {
-        if (edge.is_denied(options.doubt) && edge.relative >= options.doubt.min_denied)
-            ++score.denied;
-    }
     judged.attempt = std::move(attempt);
+    judged.score = score_of(judged, options);
     return judged;
 }
 
-bool is_doubted(const Judged& judged) {
-    return judged.score.contradicting > 0 || judged.score.denied > 0 ||
-           !judged.attempt.places->empty();
+bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options) {
+    if (!places_as_many(other, best)) return false;
+    if (misses_less(other, best, options) && other.contradicting <= best.contradicting)
+        return explains(other, best, options.less_explained);
+    if (misses_less(best, other, options)) return false;
+    const bool ends_doubt = best.is_doubted() && !other.is_doubted();
+    return explains(other, best, ends_doubt ? options.as_well_explained : options.more_explained);
 }
 
-bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options) {
-    if (other.images < best.images || other.loose > best.loose) return false;
-    const auto explains = [&](double factor) {
-        return static_cast<double>(other.observations) >= factor * best.observations;
-    };
-    const bool clearly_less = other.missing_part() < options.clearly_less * best.missing_part() &&
-                              other.missing + options.missing_by_chance <= best.missing &&
-                              other.contradicting <= best.contradicting;
-    const bool clearly_more = best.missing_part() < options.clearly_less * other.missing_part() &&
-                              best.missing + options.missing_by_chance <= other.missing;
-    if (clearly_less) return explains(options.less_explained);
-    return !clearly_more && explains(options.more_explained);
+bool is_about_as_good(const ModelScore& other, const ModelScore& best,
+                      const DoubtOptions& options) {
+    return places_as_many(other, best) && !misses_less(best, other, options) &&
+           explains(other, best, options.as_well_explained);
 }
 
 }  // namespace psfm

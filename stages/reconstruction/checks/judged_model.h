@@ -22,17 +22,30 @@ struct ModelScore {
     std::uint32_t contradicting = 0;  ///< pairs
     std::uint32_t denied = 0;         ///< strong edges of which the model explains next to nothing
     std::uint32_t loose = 0;          ///< images (loose_images)
+    bool in_places = false;           ///< it shows several
 
     double missing_part() const {
         return static_cast<double>(missing) / (regions > 0 ? regions : 1);
     }
+    /// Whether anything speaks against it.
+    bool is_doubted() const { return contradicting > 0 || denied > 0 || in_places; }
     bool operator==(const ModelScore&) const = default;
 };
 
 /// Whether one model is to take the place of another: it places as many images, no more of them
 /// loosely, and clearly less is missing from it; or no more is missing, and it explains more. What
 /// swings about a hinge misses its neighbours' features no longer, and explains as much as before.
+/// Of two that are about equal, one without a doubt is better.
 bool is_better(const ModelScore& other, const ModelScore& best, const DoubtOptions& options);
+
+/// Whether a model is a choice beside another one: it places as many images, no more of them
+/// loosely, misses no more than chance has it, and explains as much.
+bool is_about_as_good(const ModelScore& other, const ModelScore& best, const DoubtOptions& options);
+
+/// Whether clearly more is missing from one model than from another, pairs contradict it, and none
+/// the other one. Only where models of that size are doubted at all.
+bool brings_doubt(const Reconstruction& model, const Reconstruction& than,
+                  const SolveOptions& options);
 
 /// A pair between two images of a model.
 struct ModelEdge {
@@ -63,10 +76,10 @@ struct Judged {
     std::vector<ModelEdge> edges;
 };
 
+/// Of what has been compared and of the edges that a judged model has.
+ModelScore score_of(const Judged& judged, const SolveOptions& options);
+
 /// Asks the model for places, too, where that has not been done.
 Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOptions& options);
-
-/// Whether another model is to be looked for.
-bool is_doubted(const Judged& judged);
 
 }  // namespace psfm

@@ -82,6 +82,12 @@ struct DoubtOptions {
     /// come apart passes. Else it has to have more of them, by this factor.
     double less_explained = 0.85;
     double more_explained = 1.005;
+    /// One without a doubt takes the place of a doubted one from this factor on. Lowered: models
+    /// that show less of a scene do.
+    /// Two such models are rivals where each explains edges that the other denies, of so much (sum
+    /// of the squares of their relative matches): what they do not show alike is kept apart.
+    double as_well_explained = 0.98;
+    double min_rivalry = 0.5;
 };
 
 /// @errors kInvalidArgument

@@ -9,161 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "stages/algorithms/math/maximum_spanning_tree.h"
 #include "stages/reconstruction/checks/judged_model.h"
+#include "stages/reconstruction/checks/model_cuts.h"
+#include "stages/reconstruction/checks/rival_models.h"
 #include "stages/reconstruction/model/plan_solve.h"
 
 namespace psfm {
 namespace {
-
-/// Where a model is taken apart.
-struct Cut {
-    std::vector<std::uint8_t> side;  ///< by position in the model: 0 or 1
-    std::uint32_t images = 0;        ///< on the smaller side
-    // Squares of the relative matches of edges across.
-    double denied = 0.0;
-    double explained = 0.0;
-    // Of compared pairs across.
-    std::uint32_t regions = 0;
-    std::uint32_t missing = 0;
-    std::uint32_t contradicting = 0;
-
-    double missing_part() const { return static_cast<double>(missing) / std::max(1U, regions); }
-    /// How much of what speaks against the model lies across.
-    double promise() const { return denied + missing * missing_part(); }
-    /// How strong another explanation is, over the model's.
-    double contest() const { return denied / explained; }
-};
-
-/// The side of each image when one edge of a tree is taken out.
-std::vector<std::uint8_t> sides(std::size_t images, const std::vector<const ModelEdge*>& tree,
-                                const ModelEdge* without) {
-    std::vector<std::vector<std::uint32_t>> neighbors(images);
-    for (const ModelEdge* edge : tree) {
-        if (edge == without) continue;
-        neighbors[edge->first].push_back(edge->second);
-        neighbors[edge->second].push_back(edge->first);
-    }
-    std::vector<std::uint8_t> side(images, 0);
-    std::vector<std::uint32_t> open{without->second};
-    side[without->second] = 1;
-    while (!open.empty()) {
-        const std::uint32_t image = open.back();
-        open.pop_back();
-        for (const std::uint32_t next : neighbors[image]) {
-            if (side[next] != 0) continue;
-            side[next] = 1;
-            open.push_back(next);
-        }
-    }
-    return side;
-}
-
-/// The strongest tree of what a model explains.
-std::vector<const ModelEdge*> tree_of(const Judged& judged, const DoubtOptions& options) {
-    std::vector<WeightedEdge> weighted;
-    std::vector<const ModelEdge*> explained;
-    for (const ModelEdge& edge : judged.edges) {
-        if (!edge.is_explained(options)) continue;
-        weighted.push_back({edge.first, edge.second, edge.weight});
-        explained.push_back(&edge);
-    }
-    const auto images = static_cast<std::uint32_t>(judged.attempt.model.images.size());
-    std::vector<const ModelEdge*> tree;
-    for (const std::uint32_t index : maximum_spanning_forest(weighted, images))
-        tree.push_back(explained[index]);
-    return tree;
-}
-
-/// Cuts through one edge each of that tree.
-std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
-    const std::size_t images = judged.attempt.model.images.size();
-    const std::vector<const ModelEdge*> tree = tree_of(judged, options);
-    std::vector<Cut> cuts;
-    cuts.reserve(tree.size());
-    for (const ModelEdge* edge : tree) {
-        Cut& cut = cuts.emplace_back();
-        cut.side = sides(images, tree, edge);
-        const auto on_one = static_cast<std::size_t>(std::ranges::count(cut.side, 1));
-        cut.images = static_cast<std::uint32_t>(std::min(on_one, images - on_one));
-        const auto is_across = [&](const auto& pair) {
-            return cut.side[pair.first] != cut.side[pair.second];
-        };
-        for (const ModelEdge& other : judged.edges) {
-            if (!is_across(other)) continue;
-            if (other.is_denied(options)) cut.denied += other.relative * other.relative;
-            if (other.is_explained(options)) cut.explained += other.relative * other.relative;
-        }
-        for (const ComparedPair& pair : judged.compared) {
-            if (!is_across(pair)) continue;
-            cut.regions += pair.regions;
-            cut.missing += pair.missing;
-            cut.contradicting += contradicts(pair, options) ? 1 : 0;
-        }
-    }
-    return cuts;
-}
-
-/// The most promising ones: much is missing across, and edges that the model denies are there to
-/// join the parts in another way.
-std::vector<Cut> cuts_to_try(const Judged& judged, const DoubtOptions& options) {
-    std::vector<Cut> cuts = cuts_of(judged, options);
-    std::erase_if(cuts, [](const Cut& cut) { return cut.denied == 0.0; });
-    std::ranges::stable_sort(cuts, std::ranges::greater(), &Cut::promise);
-    if (cuts.size() > options.max_cuts) cuts.resize(options.max_cuts);
-    return cuts;
-}
-
-std::vector<std::vector<ImageId>> parts_of(const Reconstruction& model, const Cut& cut) {
-    std::vector<std::vector<ImageId>> parts(2);
-    for (std::size_t i = 0; i < model.images.size(); ++i)
-        parts[cut.side[i]].push_back(model.images[i].image);
-    std::ranges::stable_sort(parts, std::ranges::greater(),
-                             [](const std::vector<ImageId>& part) { return part.size(); });
-    return parts;
-}
-
-/// Two parts of a model that contradict each other, and that nothing joins better.
-bool contradict_each_other(const Cut& cut, const SolveOptions& options) {
-    return options.policy.makes_model(cut.images) &&
-           cut.contradicting >= options.doubt.min_split_pairs &&
-           cut.missing_part() >= options.doubt.min_split_part;
-}
-
-/// Two parts that hang together by less than what speaks for another way.
-bool are_outweighed(const Cut& cut, std::size_t images, const SolveOptions& options) {
-    return options.policy.makes_model(images - cut.images) && cut.explained < options.doubt.thin &&
-           cut.contest() >= options.doubt.outweighed;
-}
-
-/// The parts of a model of which it is not known how they belong together. Nothing: there are none.
-std::vector<std::vector<ImageId>> split(const Judged& judged, const std::vector<Cut>& cuts,
-                                        const SolveOptions& options) {
-    const std::size_t images = judged.attempt.model.images.size();
-    const auto most = [&](const auto& is_meant, const auto& measure) {
-        const Cut* best = nullptr;
-        for (const Cut& cut : cuts) {
-            if (is_meant(cut) && (best == nullptr || measure(cut) > measure(*best))) best = &cut;
-        }
-        return best;
-    };
-    const Cut* cut = most([&](const Cut& c) { return contradict_each_other(c, options); },
-                          [](const Cut& c) { return c.missing_part(); });
-    if (cut == nullptr) {
-        cut = most([&](const Cut& c) { return are_outweighed(c, images, options); },
-                   [](const Cut& c) { return c.contest(); });
-    }
-    if (cut == nullptr) return {};
-    return parts_of(judged.attempt.model, *cut);
-}
-
-/// Whether two things that look alike may be one in the model, or one of them two: its images
-/// should see what they do not, or there is another explanation of how its parts belong together.
-bool is_doubtful(const std::vector<Cut>& cuts, const DoubtOptions& options) {
-    return std::ranges::any_of(cuts, [&](const Cut& cut) {
-        return cut.contradicting >= options.min_split_pairs || cut.contest() >= options.contested;
-    });
-}
 
 /// The cluster with its model in two parts, and without the edges that held them together.
 ClusterProblem taken_apart(const ClusterProblem& problem, const Judged& judged, const Cut& cut,
@@ -197,26 +49,122 @@ ClusterProblem without_denied(const ClusterProblem& problem, const Reconstructio
     return believed;
 }
 
-/// A step of the search.
-struct Step {
-    Judged best;                  ///< so far
-    std::optional<Judged> ahead;  ///< the one tried in this round that misses least
+/// A model that comes apart.
+struct InParts {
+    Judged judged;
+    ModelScore whole;  ///< as one
 };
 
+/// The search for a better model.
+struct Search {
+    const ClusterProblem& problem;
+    const SolveOptions& options;
+    const AttemptSolve& solve;
+    Judged best;                      ///< so far
+    std::vector<OtherModel> others;   ///< all that were looked at
+    std::optional<InParts> in_parts;  ///< the best one of those best ones that came apart
+    std::optional<Judged> ahead;      ///< the one tried in this round that misses least
+};
+
+/// The best model with its parts kept apart, where they contradict each other.
+std::optional<InParts> best_in_parts(const Search& search) {
+    const Judged& best = search.best;
+    auto apart = in_parts(best, cuts_of(best, search.options.doubt), search.options);
+    if (!apart) return std::nullopt;
+    return InParts{*std::move(apart), best.score};
+}
+
+/// A model is the best one now.
+void note_best(Search& search, Judged best) {
+    search.best = std::move(best);
+    auto apart = best_in_parts(search);
+    if (!apart) return;
+    if (!search.in_parts ||
+        is_better(apart->judged.score, search.in_parts->judged.score, search.options.doubt))
+        search.in_parts = std::move(apart);
+}
+
 /// Looks at another model. One that could not be made is none. @errors kCancelled
-Result<void> offer(Step& step, Result<SolveAttempt> other, const ClusterProblem& problem,
-                   const SolveOptions& options) {
+Result<void> offer(Search& search, const ClusterProblem& posed) {
+    auto other = search.solve(posed);
     if (!other.ok()) {
         if (other.error().code == ErrorCode::kCancelled) return other.error();
         return {};
     }
-    Judged judged = judge(*std::move(other), problem, options);
-    const bool is_complete = judged.score.images >= step.best.score.images;
-    if (is_better(judged.score, step.best.score, options.doubt)) step.best = judged;
+    Judged judged = judge(*std::move(other), search.problem, search.options);
+    search.others.push_back({judged.score, judged.edges});
+    const bool is_complete = judged.score.images >= search.best.score.images;
+    if (is_better(judged.score, search.best.score, search.options.doubt)) note_best(search, judged);
     if (is_complete &&
-        (!step.ahead || judged.score.missing_part() < step.ahead->score.missing_part()))
-        step.ahead = std::move(judged);
+        (!search.ahead || judged.score.missing_part() < search.ahead->score.missing_part()))
+        search.ahead = std::move(judged);
     return {};
+}
+
+/// From a start afresh, and from the parts of the best model, as long as it gets better.
+/// @errors kCancelled
+Result<void> look_for_others(Search& search) {
+    const DoubtOptions& options = search.options.doubt;
+    ClusterProblem fresh = search.problem;
+    fresh.recycled.clear();
+    fresh.settle = false;
+    if (const auto done = offer(search, fresh); !done.ok()) return done.error();
+    Judged from = search.best;
+    std::set<std::vector<std::vector<ImageId>>> tried;
+    for (std::uint32_t round = 0; round < options.max_rounds && from.score.is_doubted(); ++round) {
+        const ModelScore before_round = search.best.score;
+        search.ahead.reset();
+        for (const Cut& cut : cuts_to_try(from, options)) {
+            if (!tried.insert(parts_of(from.attempt.model, cut)).second) continue;
+            const auto done = offer(search, taken_apart(search.problem, from, cut, options));
+            if (!done.ok()) return done.error();
+        }
+        // The way to a better model may lead over one that is only a little better.
+        if (search.best.score != before_round)
+            from = search.best;
+        else if (search.ahead && search.ahead->score.missing_part() < from.score.missing_part())
+            from = *std::move(search.ahead);
+        else
+            break;
+    }
+    return {};
+}
+
+/// Adjusts the best model to convergence. @errors those of the solve
+Result<void> settle_best(Search& search) {
+    const Judged& best = search.best;
+    ClusterProblem settling =
+        without_denied(search.problem, best.attempt.model, search.options.doubt);
+    settling.recycled = {std::make_shared<const Reconstruction>(best.attempt.model)};
+    settling.recycled_state = best.attempt.state;
+    auto settled = search.solve(settling);
+    if (!settled.ok()) return settled.error();
+    search.best = judge(*std::move(settled), search.problem, search.options);
+    return {};
+}
+
+/// Ends with parts where the best model comes apart, or another one did that is better so.
+/// @return the score of the chosen model as one
+ModelScore choose_parts(Search& search) {
+    auto chosen = best_in_parts(search);
+    const ModelScore best = chosen ? chosen->judged.score : search.best.score;
+    if (search.in_parts && is_better(search.in_parts->judged.score, best, search.options.doubt))
+        chosen = std::move(search.in_parts);
+    if (!chosen) return best;
+    search.best = std::move(chosen->judged);
+    return chosen->whole;
+}
+
+/// Which images of the best model are to be kept apart.
+std::vector<std::vector<ImageId>> places_of(const Search& search, const std::vector<Cut>& cuts) {
+    const Judged& best = search.best;
+    if (best.score.in_places) return *best.attempt.places;
+    auto outweighed = outweighed_parts(best, cuts, search.options);
+    if (!outweighed.empty()) return outweighed;
+    auto common = parts_in_common(best, search.others, search.options.doubt);
+    const bool is_model = !common.empty() && search.options.policy.makes_model(common[0].size());
+    if (!is_model) common.clear();
+    return common;
 }
 
 }  // namespace
@@ -237,49 +185,24 @@ Result<SolveAttempt> reconsider_model(const ClusterProblem& problem, SolveAttemp
     const auto images = static_cast<std::uint32_t>(problem.images.size());
     const auto before = static_cast<std::uint32_t>(attempt.model.images.size());
     const SolveKind kind = attempt.statistics.kind;
-    Step step{judge(std::move(attempt), problem, options), std::nullopt};
-    const ModelScore asked = step.best.score;
-    if (is_doubted(step.best)) {
-        ClusterProblem fresh = problem;
-        fresh.recycled.clear();
-        fresh.settle = false;
-        if (const auto done = offer(step, solve(fresh), problem, options); !done.ok())
-            return done.error();
+    Search search{problem, options, solve, {}, {}, {}, {}};
+    note_best(search, judge(std::move(attempt), problem, options));
+    const ModelScore asked = search.best.score;
+    search.others.push_back({asked, search.best.edges});
+    if (asked.is_doubted()) {
+        if (const auto done = look_for_others(search); !done.ok()) return done.error();
     }
-    Judged from = step.best;
-    std::set<std::vector<std::vector<ImageId>>> tried;
-    for (std::uint32_t round = 0; round < options.doubt.max_rounds && is_doubted(from); ++round) {
-        const ModelScore before_round = step.best.score;
-        step.ahead.reset();
-        for (const Cut& cut : cuts_to_try(from, options.doubt)) {
-            if (!tried.insert(parts_of(from.attempt.model, cut)).second) continue;
-            const auto done = offer(step, solve(taken_apart(problem, from, cut, options.doubt)),
-                                    problem, options);
-            if (!done.ok()) return done.error();
-        }
-        // The way to a better model may lead over one that is only a little better.
-        if (step.best.score != before_round)
-            from = step.best;
-        else if (step.ahead && step.ahead->score.missing_part() < from.score.missing_part())
-            from = *std::move(step.ahead);
-        else
-            break;
+    if (problem.settle && search.best.score != asked) {
+        if (const auto done = settle_best(search); !done.ok()) return done.error();
     }
-    if (problem.settle && step.best.score != asked) {
-        ClusterProblem settling = without_denied(problem, step.best.attempt.model, options.doubt);
-        settling.recycled = {std::make_shared<const Reconstruction>(step.best.attempt.model)};
-        settling.recycled_state = step.best.attempt.state;
-        auto settled = solve(settling);
-        if (!settled.ok()) return settled.error();
-        step.best = judge(*std::move(settled), problem, options);
-    }
-    const std::vector<Cut> cuts = cuts_of(step.best, options.doubt);
-    std::vector<std::vector<ImageId>> places = split(step.best, cuts, options);
-    SolveAttempt result = std::move(step.best.attempt);
-    if (result.places->empty()) result.places = std::move(places);
+    const bool is_changed = choose_parts(search) != asked;
+    const std::vector<Cut> cuts = cuts_of(search.best, options.doubt);
+    std::vector<std::vector<ImageId>> places = places_of(search, cuts);
+    SolveAttempt result = std::move(search.best.attempt);
+    result.places = std::move(places);
     result.state.images_when_reconsidered = images;
     result.statistics.kind = kind;
-    if (step.best.score != asked) {
+    if (is_changed) {
         result.succession.reset();
         result.statistics.reset = Reset{Reset::Reason::kMissing, {}, before};
     }

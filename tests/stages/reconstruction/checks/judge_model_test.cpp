@@ -12,6 +12,7 @@ namespace {
 /// A model of so many images, each with ten observations, and of edges that contradict.
 SolveAttempt attempt_of(std::uint32_t images, std::uint32_t edges, std::uint32_t beyond) {
     SolveAttempt attempt;
+    attempt.model.cameras.emplace(CameraId{0}, Camera{});
     ScenePoint point;
     for (std::uint32_t i = 0; i < images; ++i) {
         attempt.model.images.push_back({ImageId{i}, CameraId{0}, {}});

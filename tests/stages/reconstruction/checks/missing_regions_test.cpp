@@ -106,5 +106,31 @@ TEST(ModelScore, WhereTheSameIsMissingTheOneThatExplainsMoreIsBetter) {
     EXPECT_FALSE(is_better(one, other, {}));
 }
 
+TEST(ModelScore, OneWithoutADoubtIsBetterWhereItExplainsAsMuch) {
+    const ModelScore doubted{
+        .images = 20, .observations = 1000, .regions = 500, .missing = 6, .contradicting = 1};
+    ModelScore other{.images = 20, .observations = 985, .regions = 500, .missing = 6};
+    EXPECT_TRUE(is_better(other, doubted, {}));
+    other.observations = 975;
+    EXPECT_FALSE(is_better(other, doubted, {})) << "it explains less";
+    other.observations = 985;
+    other.denied = 1;
+    EXPECT_FALSE(is_better(other, doubted, {})) << "it is doubted, too";
+}
+
+TEST(ModelScore, AModelOfWhichMoreIsMissingTakesNoOthersPlace) {
+    const SyntheticScene folded = two_streets(40, 0.4, 2);
+    const SyntheticScene right = synthetic::make_scene(synthetic::line_along_wall(40), 1);
+    const auto model_of = [](const SyntheticScene& scene) {
+        return synthetic::true_reconstruction(scene, synthetic::random_gauge(3));
+    };
+    EXPECT_TRUE(brings_doubt(model_of(folded), model_of(right), {}));
+    EXPECT_FALSE(brings_doubt(model_of(right), model_of(folded), {}));
+    EXPECT_FALSE(brings_doubt(model_of(right), model_of(right), {}));
+    SolveOptions options;
+    options.policy.doubt_up_to = 39;
+    EXPECT_FALSE(brings_doubt(model_of(folded), model_of(right), options)) << "not asked";
+}
+
 }  // namespace
 }  // namespace psfm
