@@ -20,6 +20,9 @@ Result<void> validate(const DoubtOptions& options) {
     if (options.min_track < 2) return invalid("a track has two images at least");
     if (!(options.min_missing_part > 0.0 && options.min_missing_part <= 1.0))
         return invalid("min_missing_part must be above 0 and at most 1");
+    if (!(options.as_well_explained >= 0.0 && options.as_well_explained <= 1.0))
+        return invalid("as_well_explained must be from 0 to 1");
+    if (!(options.min_rivalry >= 0.0)) return invalid("min_rivalry must not be negative");
     return {};
 }
 

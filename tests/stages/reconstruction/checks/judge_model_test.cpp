@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/stages/reconstruction/two_streets.h"
 #include "tests/synthetic/change_points.h"
+#include "tests/synthetic/verified_pairs.h"
 
 namespace psfm {
 namespace {
@@ -97,6 +99,19 @@ TEST(IsBetter, InPlaceOfABadModelContradictsLessAndExplainsAsMuch) {
     EXPECT_TRUE(is_better(ruin, old, kReason, {}));
     synthetic::change_points(ruin.model, [](auto& points) { points.resize(7); });
     EXPECT_FALSE(is_better(ruin, old, kReason, {})) << "loses structure";
+}
+
+TEST(IsBetter, InPlaceOfABadModelBringsNoDoubt) {
+    constexpr auto kReason = Reset::Reason::kContradiction;
+    const auto showing = [](const synthetic::SyntheticScene& scene, std::uint32_t beyond) {
+        SolveAttempt attempt = attempt_of(40, 100, beyond);
+        attempt.model = synthetic::true_reconstruction(scene, {});
+        return attempt;
+    };
+    const auto street = synthetic::make_scene(synthetic::line_along_wall(40), 1);
+    const auto folded = two_streets(40, 0.4, 2);
+    EXPECT_TRUE(is_better(showing(folded, 9), showing(folded, 10), kReason, {}));
+    EXPECT_FALSE(is_better(showing(folded, 9), showing(street, 10), kReason, {}));
 }
 
 TEST(IsBetter, InPlaceOfAStuckModelIsLargerAndAgrees) {

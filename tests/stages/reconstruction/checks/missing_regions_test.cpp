@@ -73,6 +73,12 @@ TEST(MissingRegions, OptionsAreChecked) {
     EXPECT_TRUE(validate(options).ok());
     options.grid = 0;
     EXPECT_FALSE(validate(options).ok());
+    options = {};
+    options.as_well_explained = 1.1;
+    EXPECT_FALSE(validate(options).ok());
+    options = {};
+    options.min_rivalry = -0.1;
+    EXPECT_FALSE(validate(options).ok());
 }
 
 TEST(ModelScore, LessMissingOutweighsMoreExplained) {
