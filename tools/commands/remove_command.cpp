@@ -77,6 +77,7 @@ Result<std::vector<SourcedImage>> find_images(const SessionReader& store,
         for (auto image = first; image != last; ++image) found.insert(image->second);
     }
     std::vector<SourcedImage> result;
+    result.reserve(found.size());
     for (const ImageId id : found)
         result.push_back({(*images)[index_of(id)], (*sources)[index_of(id)]});
     return result;
@@ -132,7 +133,8 @@ std::optional<int> take_out(const RemoveArguments& arguments, const StoreOptions
     const auto removal = remove_images(**store, request.config, ids, !arguments.again);
     if (!removal.ok()) return report_error(removal.error());
     std::cout << counted(ids.size(), "photograph") << " removed; "
-              << counted(removal->clusters, "cluster") << " to be solved anew" << std::endl;
+              << counted(removal->clusters, "cluster") << " to be solved anew\n"
+              << std::flush;
     return std::nullopt;
 }
 

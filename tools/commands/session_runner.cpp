@@ -77,6 +77,7 @@ Result<void> refine_reasons(const SessionReader& store, SessionRun& run) {
     std::map<std::string, ImageId> ids;
     for (const Image& image : *images) ids.emplace(image.name, image.id);
     std::vector<std::pair<ImageId, WaitReason>> waiting;
+    waiting.reserve(run.waiting.size());
     for (const auto& [name, reason] : run.waiting) waiting.emplace_back(ids.at(name), reason);
     find_featureless(store, *images, waiting);
     for (std::size_t i = 0; i < waiting.size(); ++i) run.waiting[i].second = waiting[i].second;
@@ -86,6 +87,7 @@ Result<void> refine_reasons(const SessionReader& store, SessionRun& run) {
 /// The line that says why, and the exit code: it takes other photographs.
 int report_nothing_placed(const SessionRun& run) {
     std::vector<WaitReason> reasons;
+    reasons.reserve(run.waiting.size());
     for (const auto& [name, reason] : run.waiting) reasons.push_back(reason);
     return report_error({ErrorCode::kUnreadable, why_nothing_is_placed(reasons, SolvePolicy{})},
                         ErrorOrigin::kOtherInput);

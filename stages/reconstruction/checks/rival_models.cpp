@@ -61,6 +61,7 @@ std::vector<std::vector<ImageId>> parts_in_common(const Judged& best,
         by_root[sets.root_of(i)].push_back(images[i].image);
     if (by_root.size() < 2) return {};
     std::vector<std::vector<ImageId>> parts;
+    parts.reserve(by_root.size());
     for (auto& [root, part] : by_root) parts.push_back(std::move(part));
     std::ranges::stable_sort(parts, std::ranges::greater(),
                              [](const std::vector<ImageId>& part) { return part.size(); });

@@ -34,6 +34,7 @@ Result<void> stage_stereo(const ExportedModel& model, const std::filesystem::pat
 
 std::vector<std::filesystem::path> dataset_folders(const std::filesystem::path& place) {
     std::vector<std::filesystem::path> paths;
+    paths.reserve(std::size(kStereoFolders));
     for (const char* name : kStereoFolders) paths.push_back(place / "stereo" / name);
     return paths;
 }
