@@ -57,8 +57,15 @@ Result<StoredEdit> ClusterKeeper::separate(const ClusterProblem& problem,
     std::vector<ImageId> images;
     images.reserve(solution->model->images.size());
     for (const RegisteredImage& image : solution->model->images) images.push_back(image.image);
-    const PlaceVerdict verdict = judge_places(state_->edges, images, solution->places);
+    PlaceVerdict verdict = judge_places(state_->edges, images, solution->places);
     if (verdict.empty()) return StoredEdit{};
+    if (!verdict.apart.empty()) {
+        for (const ImagePair& pair :
+             apart_before(state_->edges, images, solution->places, options_->solve.policy.mu_min)) {
+            if (tried_again_.insert(pair).second) verdict.together.push_back(pair);
+        }
+        sort_unique(verdict.together);
+    }
     if (!verdict.apart.empty())
         outbox_->tell(describe_places(problem, *solution, state_->images), *state_);
     // The records of these hold the pairs.
@@ -77,6 +84,7 @@ Result<StoredEdit> ClusterKeeper::forget_places() {
     if (state_->edges.apart_count == 0) return StoredEdit{};
     if (all_settled(state_->clusters)) return StoredEdit{};  // nothing has come since then
     reunion_is_due_ = true;
+    tried_again_.clear();
     PlaceVerdict verdict;
     std::set<ClusterId> holders;
     for (const std::vector<ImageId>& images :

@@ -29,7 +29,8 @@ class ClusterKeeper {
     /// A new image has its pairs. @errors those of the store
     Result<StoredEdit> add_image(ImageId image, const std::vector<VerifiedPairPtr>& pairs);
     /// Keeps images apart that a model shows beside each other and that are of different places,
-    /// and takes that back where a model says otherwise. @errors those of the store
+    /// and takes that back where a model says otherwise; once, too, where images that are too few
+    /// for a model are cut off a second time (apart_before). @errors those of the store
     Result<StoredEdit> separate(const ClusterProblem& problem,
                                 const Result<ClusterSolution>& solution);
     /// Forgets which images of small clusters are of different places, as earlier models said it:
@@ -71,6 +72,7 @@ class ClusterKeeper {
     SessionState* state_;
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
+    std::set<ImagePair> tried_again_;        // since then: apart_before took them back
     /// Once all models have settled. An earlier process may have been killed before it came to it.
     bool reunion_is_due_ = true;
 };

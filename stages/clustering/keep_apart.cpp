@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "graph/sorted_unique.h"
 #include "stages/clustering/apply_selection.h"
 
 namespace psfm {
@@ -56,6 +57,23 @@ PlaceVerdict judge_places(const EdgeSelection& selection, std::span<const ImageI
         }
     }
     return verdict;
+}
+
+std::vector<ImagePair> apart_before(const EdgeSelection& selection, std::span<const ImageId> images,
+                                    std::span<const std::vector<ImageId>> places,
+                                    std::uint32_t mu_min) {
+    std::vector<ImagePair> pairs;
+    for (const std::vector<ImageId>& place : places) {
+        if (place.size() >= mu_min) continue;
+        for (const ImageId image : place) {
+            for (const ImageId other : selection.apart[index_of(image)]) {
+                if (!std::ranges::binary_search(images, other))
+                    pairs.push_back(ImagePair::of(image, other));
+            }
+        }
+    }
+    sort_unique(pairs);
+    return pairs;
 }
 
 EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVerdict& verdict) {

@@ -34,12 +34,13 @@ class Orders : public testing::TestWithParam<unsigned> {
     void SetUp() override {
         const char* datasets = std::getenv("PSFM_DATASETS");
         if (datasets == nullptr) GTEST_SKIP() << "PSFM_DATASETS is not set";
-        folder_ = fs::path(datasets) / "duplicates" / "street";
+        folder_ = fs::path(datasets) / "duplicates" / scene();
         if (!fs::exists(folder_)) GTEST_SKIP() << folder_ << " is not there";
         session_ = fs::temp_directory_path() / ("psfm_orders_" + std::to_string(getpid()));
         fs::remove_all(session_);
     }
     void TearDown() override { fs::remove_all(session_); }
+    virtual const char* scene() const { return "street"; }
 
     std::vector<NamedPose> truth() const {
         std::vector<NamedPose> poses;
@@ -51,9 +52,8 @@ class Orders : public testing::TestWithParam<unsigned> {
         return poses;
     }
 
-    /// Runs a session of the listed photographs; no part may have an outlier.
-    /// @return images of each part
-    std::vector<std::size_t> right_parts(std::vector<PhotoFile> listed) const {
+    /// Runs the session with the listed photographs until it has settled.
+    void run(std::vector<PhotoFile> listed) const {
         const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, 3);
         auto store = SessionStore::open(session_, {});
         EXPECT_TRUE(store.ok());
@@ -64,6 +64,14 @@ class Orders : public testing::TestWithParam<unsigned> {
         config.deterministic = true;
         const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
         EXPECT_TRUE(run.ok()) << run.error().message;
+    }
+
+    /// Runs it; no part may have an outlier.
+    /// @return images of each part
+    std::vector<std::size_t> right_parts(std::vector<PhotoFile> listed) const {
+        run(std::move(listed));
+        const auto store = SessionStore::open(session_, {});
+        EXPECT_TRUE(store.ok());
         const auto parts = test::parts_of(**store);
         EXPECT_TRUE(parts.ok());
         std::vector<std::size_t> sizes;
@@ -102,6 +110,25 @@ TEST_P(Gaps, WhatNothingJoinsIsRightInTwoParts) {
     EXPECT_EQ(std::accumulate(parts.begin(), parts.end(), std::size_t{0}), photos.size());
 }
 
+/// Two packets with one picture on them.
+class Packets : public Orders {
+    const char* scene() const override { return "cereal"; }
+};
+
+/// Every second photograph in a first run, which settles; then all. The parameter: the first one.
+TEST_P(Packets, WhatASecondRunBringsIsPlacedInTwoRightParts) {
+    auto listing = list_photos(folder_ / "images");
+    ASSERT_TRUE(listing.ok());
+    std::vector<PhotoFile> first;
+    for (std::size_t i = GetParam(); i < listing->photos.size(); i += 2)
+        first.push_back(listing->photos[i]);
+    run(first);
+    const std::vector<std::size_t> parts = right_parts(listing->photos);
+    EXPECT_EQ(parts.size(), 2U);
+    EXPECT_EQ(std::accumulate(parts.begin(), parts.end(), std::size_t{0}), listing->photos.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Cereal, Packets, testing::Values(0U));
 INSTANTIATE_TEST_SUITE_P(Street, Orders, testing::Values(1U, 2U, 3U));
 INSTANTIATE_TEST_SUITE_P(Street, Gaps, testing::Values(1U, 3U));
 

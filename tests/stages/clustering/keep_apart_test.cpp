@@ -115,6 +115,21 @@ TEST(KeepApart, JudgesPairsOfTheModelOnly) {
     EXPECT_TRUE(partly.together.empty()) << "image 3 is of any place";
 }
 
+TEST(KeepApart, WhoIsLeftAloneWasApartBefore) {
+    Session session = two_streets();
+    session.arrive({make_pair(0, 4, 100), make_pair(1, 4, 100), make_pair(2, 4, 100)});
+    const std::vector<ImageId> first{ImageId{0}, ImageId{1}, ImageId{4}};
+    keep_apart(session.selection, session.graph,
+               {{ids(0, 2), ids(0, 3), ids(1, 2), ids(1, 3), ids(2, 4)}, {}});
+    const std::vector<std::vector<ImageId>> places{{ImageId{0}, ImageId{1}}, {ImageId{4}}};
+    EXPECT_EQ(apart_before(session.selection, first, places, 2), std::vector{ids(2, 4)});
+    EXPECT_TRUE(apart_before(session.selection, first, places, 1).empty()) << "makes a model";
+    EXPECT_EQ(apart_before(session.selection, first, places, 3).size(), 5U);
+    const std::vector<ImageId> all{ImageId{0}, ImageId{1}, ImageId{2}, ImageId{3}, ImageId{4}};
+    EXPECT_TRUE(apart_before(session.selection, all, places, 2).empty())
+        << "this model says it of images that it shows";
+}
+
 /// What a process knows that reads the same images back, and then which of them are apart.
 Session restored(const std::vector<Pairs>& arrivals, const std::vector<ImagePair>& apart) {
     Session session;
