@@ -48,12 +48,12 @@ struct ClusteringOptions {
 /// Whether clusters of so many images, at least one each, are joined at once.
 bool may_join(std::size_t a, std::size_t b, const ClusteringOptions& options);
 
-/// @errors kInvalidArgument
 /// Whether so many images are enough for a model. Paper: mu_min.
 inline bool makes_model(std::size_t images, std::uint32_t mu_min) {
     return images >= mu_min;
 }
 
+/// @errors kInvalidArgument
 Result<void> validate(const ClusteringOptions& options);
 
 }  // namespace psfm

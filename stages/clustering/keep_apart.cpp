@@ -11,6 +11,7 @@
 
 #include "graph/sorted_unique.h"
 #include "stages/clustering/apply_selection.h"
+#include "stages/clustering/clustering_options.h"
 
 namespace psfm {
 namespace {
@@ -64,7 +65,7 @@ std::vector<ImagePair> apart_before(const EdgeSelection& selection, std::span<co
                                     std::uint32_t mu_min) {
     std::vector<ImagePair> pairs;
     for (const std::vector<ImageId>& place : places) {
-        if (place.size() >= mu_min) continue;
+        if (makes_model(place.size(), mu_min)) continue;
         for (const ImageId image : place) {
             for (const ImageId other : selection.apart[index_of(image)]) {
                 if (!std::ranges::binary_search(images, other))

@@ -24,9 +24,9 @@ struct PlaceVerdict {
 PlaceVerdict judge_places(const EdgeSelection& selection, std::span<const ImageId> images,
                           std::span<const std::vector<ImageId>> places);
 
-/// Known pairs between images of a model that `places` leaves alone (of a place below `mu_min`) and
-/// images that are not in it. Of two models that leave an image nowhere together one is wrong, and
-/// the earlier one showed more than one place.
+/// Known pairs between images of a model that `places` leaves alone (of a place that is too small
+/// for a model) and images that are not in it. Of two models that leave an image nowhere together
+/// one is wrong, and the earlier one showed more than one place.
 /// @param images, places  as in judge_places  @return ascending
 std::vector<ImagePair> apart_before(const EdgeSelection& selection, std::span<const ImageId> images,
                                     std::span<const std::vector<ImageId>> places,
