@@ -39,7 +39,7 @@ Result<Status> read_status(const SessionReader& session, FactsMemory& memory) {
     auto facts = read_session_facts(session, memory);
     if (!facts.ok()) return facts.error();
     Status status{*std::move(facts), std::nullopt};
-    if (datum_of(evidence_of(status.facts.images)))
+    if (datum_of(evidence_of(status.facts.images), {}))
         status.reference = world_reference_of(status.facts.scene, status.facts.images);
     return status;
 }

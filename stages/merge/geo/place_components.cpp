@@ -55,6 +55,20 @@ Sim3 frame_by_vision(const Cameras& cameras, const std::unordered_map<ImageId, R
                                 max_stayed_move);
 }
 
+/// The images of each component.
+std::vector<std::vector<ImageId>> parts_of(std::span<const Component> components) {
+    std::vector<std::vector<ImageId>> parts;
+    parts.reserve(components.size());
+    for (const Component& component : components) {
+        std::vector<ImageId>& images = parts.emplace_back();
+        for (const MergeCluster* cluster : component.clusters) {
+            for (const RegisteredImage& image : cluster->model->images)
+                images.push_back(image.image);
+        }
+    }
+    return parts;
+}
+
 std::vector<LocatedCamera> located(const Cameras& cameras, const GpsPosition& datum,
                                    std::span<const ImageEvidence> evidence) {
     std::vector<LocatedCamera> result;
@@ -148,7 +162,7 @@ PlacedComponents place_components(std::span<const Component> components, const S
     if (previous != nullptr) published = published_poses(*previous);
     PlacedComponents result;
     const std::optional<GpsPosition> datum =
-        options.use_gps ? datum_of(evidence) : std::optional<GpsPosition>();
+        options.use_gps ? datum_of(evidence, parts_of(components)) : std::optional<GpsPosition>();
     std::vector<Cameras> all;
     std::vector<std::optional<Gravity>> gravity(components.size());
     std::vector<std::vector<LocatedCamera>> positions(components.size());

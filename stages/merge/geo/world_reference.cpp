@@ -9,7 +9,11 @@ namespace psfm {
 std::optional<WorldReference> world_reference(std::span<const std::vector<CameraCentre>> models,
                                               std::span<const ImageEvidence> evidence,
                                               const GeoreferenceOptions& options) {
-    const std::optional<GpsPosition> datum = datum_of(evidence);
+    std::vector<std::vector<ImageId>> parts(models.size());
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        for (const CameraCentre& camera : models[m]) parts[m].push_back(camera.image);
+    }
+    const std::optional<GpsPosition> datum = datum_of(evidence, parts);
     if (!datum) return std::nullopt;
     WorldReference reference{*datum, {}};
     for (const std::vector<CameraCentre>& model : models) {

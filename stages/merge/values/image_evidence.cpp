@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/union_find.h"
@@ -53,17 +54,13 @@ class Groups {
         }
     }
 
-    /// The earliest position whose group has half as many as the largest one.
-    std::size_t first_of_large() {
+    /// Of each group how many positions it has.
+    std::map<std::size_t, std::size_t> sizes() {
         std::map<std::size_t, std::size_t> count;
         for (const std::size_t cell : of_position_) ++count[sets_.root_of(cell)];
-        std::size_t largest = 0;
-        for (const auto& [group, positions] : count) largest = std::max(largest, positions);
-        for (std::size_t k = 0; k < of_position_.size(); ++k) {
-            if (2 * count[sets_.root_of(of_position_[k])] >= largest) return k;
-        }
-        return 0;
+        return count;
     }
+    std::size_t group_of(std::size_t position) { return sets_.root_of(of_position_[position]); }
 
   private:
     using Cell = std::array<long, 3>;
@@ -73,16 +70,51 @@ class Groups {
     std::vector<std::size_t> of_position_;  // its cell
 };
 
-/// REQUIRES: there is a plausible position
-const ImageEvidence* first_of_agreeing(std::span<const ImageEvidence> evidence) {
-    std::vector<const ImageEvidence*> located;
+using Located = std::vector<const ImageEvidence*>;
+
+Groups groups_of(const Located& located) {
     Groups groups;
-    for (const ImageEvidence& image : evidence) {
-        if (!image.gps || !is_plausible(*image.gps)) continue;
-        located.push_back(&image);
-        groups.add(*image.gps);
+    for (const ImageEvidence* image : located) groups.add(*image->gps);
+    return groups;
+}
+
+std::size_t size_of_largest(const std::map<std::size_t, std::size_t>& sizes) {
+    return std::ranges::max_element(sizes, {}, [](const auto& size) { return size.second; })
+        ->second;
+}
+
+bool are_near_the_first(const Located& located) {
+    return std::ranges::all_of(located, [&](const ImageEvidence* image) {
+        return are_near(*located.front()->gps, *image->gps);
+    });
+}
+
+/// The first one whose group has half as many as the largest one. REQUIRES: there is one
+const ImageEvidence* first_of_agreeing(const Located& located) {
+    const auto near_first = std::ranges::count_if(located, [&](const ImageEvidence* image) {
+        return are_near(*located.front()->gps, *image->gps);
+    });
+    // With a third of all positions near the first, no group has more than twice as many.
+    if (3 * static_cast<std::size_t>(near_first) >= located.size()) return located.front();
+    Groups groups = groups_of(located);
+    const auto sizes = groups.sizes();
+    const std::size_t largest = size_of_largest(sizes);
+    std::size_t first = 0;
+    while (2 * sizes.at(groups.group_of(first)) < largest) ++first;
+    return located[first];
+}
+
+/// Adds the images of a part whose positions are not where most of its positions are.
+void add_outvoted(const Located& part, std::set<ImageId>& outvoted) {
+    if (part.empty() || are_near_the_first(part)) return;
+    Groups groups = groups_of(part);
+    const auto sizes = groups.sizes();
+    const std::size_t largest = size_of_largest(sizes);
+    std::size_t chosen = 0;  // of several largest ones that of the earliest image
+    while (sizes.at(groups.group_of(chosen)) < largest) ++chosen;
+    for (std::size_t k = 0; k < part.size(); ++k) {
+        if (groups.group_of(k) != groups.group_of(chosen)) outvoted.insert(part[k]->image);
     }
-    return located[groups.first_of_large()];
 }
 
 }  // namespace
@@ -110,20 +142,27 @@ bool is_plausible(const GpsPosition& position) {
            std::isfinite(position.altitude_m.value_or(0.0));
 }
 
-std::optional<GpsPosition> datum_of(std::span<const ImageEvidence> evidence) {
-    const ImageEvidence* chosen = nullptr;
-    std::size_t positions = 0;
-    std::size_t near_first = 0;
-    for (const ImageEvidence& image : evidence) {
-        if (!image.gps || !is_plausible(*image.gps)) continue;
-        if (chosen == nullptr) chosen = &image;
-        ++positions;
-        if (are_near(*chosen->gps, *image.gps)) ++near_first;
+std::optional<GpsPosition> datum_of(std::span<const ImageEvidence> evidence,
+                                    std::span<const std::vector<ImageId>> parts) {
+    const auto is_located = [](const ImageEvidence& image) {
+        return image.gps && is_plausible(*image.gps);
+    };
+    std::set<ImageId> outvoted;
+    for (const std::vector<ImageId>& part : parts) {
+        Located located;
+        for (const ImageId image : part) {
+            const ImageEvidence* found = find_evidence(evidence, image);
+            if (found != nullptr && is_located(*found)) located.push_back(found);
+        }
+        std::ranges::sort(located, {}, &ImageEvidence::image);
+        add_outvoted(located, outvoted);
     }
-    if (chosen == nullptr) return std::nullopt;
-    // With a third of all positions near the first, no group has more than twice as many.
-    if (3 * near_first < positions) chosen = first_of_agreeing(evidence);
-    GpsPosition datum = *chosen->gps;
+    Located located;
+    for (const ImageEvidence& image : evidence) {
+        if (is_located(image) && !outvoted.contains(image.image)) located.push_back(&image);
+    }
+    if (located.empty()) return std::nullopt;
+    GpsPosition datum = *first_of_agreeing(located)->gps;
     datum.altitude_m = datum.altitude_m.value_or(0.0);
     return datum;
 }

@@ -33,8 +33,11 @@ bool is_plausible(const GpsPosition& position);
 
 /// Origin of a session's east-north-up frame: the plausible position of its first image among those
 /// that agree with others (docs/georeferencing.md, "The datum"). Deterministic.
+/// @param parts  images that stand in one model, each; their positions cannot be in several places,
+///     and those that fewer of a part's images have are passed over
 /// @return with altitude 0 where that image has none; empty without any position
-std::optional<GpsPosition> datum_of(std::span<const ImageEvidence> evidence);
+std::optional<GpsPosition> datum_of(std::span<const ImageEvidence> evidence,
+                                    std::span<const std::vector<ImageId>> parts);
 
 /// Position [m] in the frame that touches the WGS 84 ellipsoid at the datum's height above it:
 /// x east, y north, z up. Straight, not along the ground: 100 km away "up" has turned by 0.9°.
