@@ -145,7 +145,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     return problem;
 }
 
-std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state) {
+std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
         problem->clusters.push_back(
@@ -154,6 +154,7 @@ std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state) {
     problem->known = state.merges.constraints;
     problem->known_poses = state.merges.known_poses;
     problem->previous = state.scene;
+    problem->anchors = config.anchors;
     const auto is_located = [](const Image& image) { return image.metadata.gps.has_value(); };
     // Orientations alone say nothing.
     if (std::ranges::any_of(state.images, is_located))

@@ -25,7 +25,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
 
 /// All clusters with the view graph's edges between placed images of different ones. Models of
 /// clusters that rest are without points.
-std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state);
+std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config);
 
 /// Whether a version shows a cluster as it is now.
 bool is_shown(const ClusterEntry& entry, const Scene& scene);

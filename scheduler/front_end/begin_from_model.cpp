@@ -311,8 +311,15 @@ Result<void> Import::take_model(const std::shared_ptr<const Reconstruction>& mod
 
 }  // namespace
 
-void remember_ids(const ExportedModel& model, SessionConfig& config) {
-    for (const ExportedImage& image : model.images) config.image_ids.push_back(image.id);
+void remember_model(const ExportedModel& model, SessionConfig& config) {
+    // Guard: of a large model some evenly chosen images hold its frame as well as all.
+    constexpr std::size_t kAnchors = 200;
+    const std::size_t stride = (model.images.size() + kAnchors - 1) / kAnchors;
+    for (std::size_t i = 0; i < model.images.size(); ++i) {
+        config.image_ids.push_back(model.images[i].id);
+        if (i % stride == 0)
+            config.anchors.push_back({static_cast<ImageId>(i), model.images[i].cam_from_world});
+    }
     config.camera_ids = used_cameras(model);
 }
 

@@ -37,8 +37,9 @@ struct BegunSession {
     std::vector<std::uint32_t> repeated_observations;  ///< for SessionConfig: see there
 };
 
-/// The ids that a model's images and cameras had, for SessionConfig: see there.
-void remember_ids(const ExportedModel& model, SessionConfig& config);
+/// The ids that a model's images and cameras had, and where its images stood, for SessionConfig:
+/// see there.
+void remember_model(const ExportedModel& model, SessionConfig& config);
 
 /// Fills a new session with a model, as if psfm had made it: images in the order of their ids, with
 /// the cameras of the model; their features, and for what the model has no descriptors of, those of

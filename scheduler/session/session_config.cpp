@@ -45,6 +45,32 @@ Result<Camera> decode_camera(const json& object) {
     return camera;
 }
 
+/// Eight numbers each: the image, then quaternion (w x y z) and translation.
+json encode_anchors(const std::vector<WorldAnchor>& anchors) {
+    json list = json::array();
+    for (const WorldAnchor& anchor : anchors) {
+        const Eigen::Quaterniond& q = anchor.cam_from_world.rotation;
+        const Eigen::Vector3d& t = anchor.cam_from_world.translation;
+        list.push_back({index_of(anchor.image), q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+    }
+    return list;
+}
+
+std::vector<WorldAnchor> decode_anchors(const json& list) {
+    std::vector<WorldAnchor> anchors;
+    anchors.reserve(list.size());
+    for (const json& one : list) {
+        WorldAnchor anchor;
+        anchor.image = static_cast<ImageId>(whole_number<std::uint32_t>(one.at(0)));
+        const auto number = [&](std::size_t k) { return one.at(k).get<double>(); };
+        anchor.cam_from_world.rotation =
+            Eigen::Quaterniond(number(1), number(2), number(3), number(4)).normalized();
+        anchor.cam_from_world.translation = {number(5), number(6), number(7)};
+        anchors.push_back(anchor);
+    }
+    return anchors;
+}
+
 }  // namespace
 
 std::optional<History> history_from_name(std::string_view name) {
@@ -90,6 +116,7 @@ std::string encode_config(const SessionConfig& config) {
                 {"image_ids", config.image_ids},
                 {"camera_ids", config.camera_ids},
                 {"repeated_observations", config.repeated_observations},
+                {"anchors", encode_anchors(config.anchors)},
                 {"keep_world", config.keep_world},
                 {"order", config.order},
                 {"history", std::string(history_name(config.history))},
@@ -128,6 +155,7 @@ Result<SessionConfig> decode_config(const std::string& text) {
         config.camera_ids = object.value("camera_ids", std::vector<std::uint32_t>{});
         config.repeated_observations =
             object.value("repeated_observations", std::vector<std::uint32_t>{});
+        config.anchors = decode_anchors(object.value("anchors", json::array()));
         config.keep_world = object.value("keep_world", false);
         config.order = object.at("order").get<std::vector<std::string>>();
         const auto history = history_from_name(object.value("history", "poses"));

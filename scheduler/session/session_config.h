@@ -16,6 +16,7 @@
 #include "stages/clustering/select_edges.h"
 #include "stages/features/cameras/assign_camera.h"
 #include "stages/features/feature_options.h"
+#include "stages/merge/geo/keep_frame.h"
 #include "stages/merge/values/merge_options.h"
 #include "stages/reconstruction/model/solve_options.h"
 #include "stages/retrieval/retrieval_options.h"
@@ -54,6 +55,9 @@ struct SessionConfig {
     /// which psfm's points do not have and exports do: three numbers each, the image (ours), the
     /// feature that counts, the one beside it.
     std::vector<std::uint32_t> repeated_observations = {};
+    /// Of such a session: where some of its images stood, ascending by image. What is solved anew
+    /// stands in that world, too.
+    std::vector<WorldAnchor> anchors = {};
     /// The world stays the frame that it is, whatever positions photographs have: that of a model
     /// that the session began with.
     bool keep_world = false;

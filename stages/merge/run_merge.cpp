@@ -229,8 +229,8 @@ Result<MergeResult> run_merge(const MergeProblem& problem, const MergeOptions& o
         result.dropped += task.constraint.accepted() && !task.constraint.used ? 1 : 0;
         result.constraints.push_back(std::move(task.constraint));
     }
-    PlacedComponents placed =
-        place_components(*components, problem.previous.get(), problem.evidence, options);
+    PlacedComponents placed = place_components(*components, problem.previous.get(), problem.anchors,
+                                               problem.evidence, options);
     result.places = std::move(placed.places);
     result.datum = placed.datum;
     for (const Component& component : *components) {

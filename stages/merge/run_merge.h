@@ -27,8 +27,9 @@ struct MergeProblem {
     std::vector<ClusterPairEdgesPtr> pairs;  ///< ascending by (a, b), each at most once
     /// MergeResult::constraints and MergeResult::set_aside of the version before, in any order.
     std::vector<ClusterConstraint> known;
-    KnownPoses known_poses;               ///< MergeResult::known_poses of the version before
-    ScenePtr previous;                    ///< the published version before; null for the first
+    KnownPoses known_poses;            ///< MergeResult::known_poses of the version before
+    ScenePtr previous;                 ///< the published version before; null for the first
+    std::vector<WorldAnchor> anchors;  ///< ascending by image; of a session that began with a model
     std::vector<ImageEvidence> evidence;  ///< of the session, ascending by image; may be empty
 };
 

@@ -63,6 +63,7 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
     asked.image_ids = begun.image_ids;
     asked.camera_ids = begun.camera_ids;
     asked.repeated_observations = begun.repeated_observations;
+    asked.anchors = begun.anchors;
     asked.keep_world = begun.keep_world;
     for (const auto& [name, given] : begun.given_cameras)
         asked.given_cameras.try_emplace(name, given);

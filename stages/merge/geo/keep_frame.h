@@ -20,6 +20,12 @@ struct PlacedImage {
     Rigid3 cam_from_component;
 };
 
+/// Where an image stood in the model that a session began with.
+struct WorldAnchor {
+    ImageId image{};
+    Rigid3 cam_from_world;
+};
+
 /// Poses of all images in a published version; of the cluster with the smaller id where two hold
 /// one image.
 std::unordered_map<ImageId, Rigid3> published_poses(const Scene& scene);

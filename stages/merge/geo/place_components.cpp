@@ -45,13 +45,58 @@ Cameras cameras_of(const Component& component, const Scene* previous) {
     return cameras;
 }
 
-/// Gauge of a component: where its images were, else that of its root at a spacing of 1.
-Sim3 frame_by_vision(const Cameras& cameras, const std::unordered_map<ImageId, Rigid3>& published,
-                     double max_stayed_move) {
+using Poses = std::unordered_map<ImageId, Rigid3>;
+
+constexpr std::size_t kEnough = 2;  // Mathematics: poses that determine a similarity
+
+/// Where the anchors among the images have to stay, and what else the frame can be.
+struct Anchored {
+    Poses poses;                   ///< as published, else as the session began
+    std::vector<Sim3> candidates;  ///< none where they were not published
+};
+
+/// Empty: fewer than two.
+std::optional<Anchored> anchored(const Cameras& cameras, const Poses& published,
+                                 std::span<const WorldAnchor> anchors) {
+    Poses began;
+    Poses before;
+    for (const PlacedImage& image : cameras.images) {
+        const auto anchor = std::ranges::lower_bound(anchors, image.image, {}, &WorldAnchor::image);
+        if (anchor == anchors.end() || anchor->image != image.image) continue;
+        began.try_emplace(image.image, anchor->cam_from_world);
+        const auto found = published.find(image.image);
+        if (found != published.end()) before.insert(*found);
+    }
+    if (before.size() >= kEnough) return Anchored{std::move(before), cameras.candidates};
+    if (began.size() >= kEnough) return Anchored{std::move(began), {}};
+    return std::nullopt;
+}
+
+/// Whether half of the images are where they have to be.
+bool stay(const Cameras& cameras, const Poses& poses, const Sim3& frame, double max_stayed_move) {
+    std::vector<Eigen::Vector3d> wanted;
+    std::vector<double> moves;
+    for (std::size_t k = 0; k < cameras.images.size(); ++k) {
+        const auto found = poses.find(cameras.images[k].image);
+        if (found == poses.end()) continue;
+        wanted.push_back(found->second.target_origin_in_source());
+        moves.push_back((frame * cameras.centres[k] - wanted.back()).norm());
+    }
+    return upper_median(std::move(moves)) <= max_stayed_move * median_neighbor_distance(wanted);
+}
+
+/// Gauge of a component: where its images were, with the anchors among them; else that of its root
+/// at a spacing of 1.
+Sim3 frame_by_vision(const Cameras& cameras, const Poses& published,
+                     std::span<const WorldAnchor> anchors, double max_stayed_move) {
     const double spacing = median_neighbor_distance(cameras.centres);
     Sim3 fresh;
     if (spacing > 0.0) fresh.scale = 1.0 / spacing;
-    return world_from_component(cameras.images, published, cameras.candidates, fresh,
+    const Sim3 frame =
+        world_from_component(cameras.images, published, cameras.candidates, fresh, max_stayed_move);
+    const auto held = anchored(cameras, published, anchors);
+    if (!held || stay(cameras, held->poses, frame, max_stayed_move)) return frame;
+    return world_from_component(cameras.images, held->poses, held->candidates, fresh,
                                 max_stayed_move);
 }
 
@@ -156,9 +201,10 @@ std::optional<Sim3> brought_near(std::span<const LocatedCamera> positions, const
 }  // namespace
 
 PlacedComponents place_components(std::span<const Component> components, const Scene* previous,
+                                  std::span<const WorldAnchor> anchors,
                                   std::span<const ImageEvidence> evidence,
                                   const MergeOptions& options) {
-    std::unordered_map<ImageId, Rigid3> published;
+    Poses published;
     if (previous != nullptr) published = published_poses(*previous);
     PlacedComponents result;
     const std::optional<GpsPosition> datum =
@@ -169,7 +215,8 @@ PlacedComponents place_components(std::span<const Component> components, const S
     for (std::size_t c = 0; c < components.size(); ++c) {
         all.push_back(cameras_of(components[c], previous));
         ComponentPlace place;
-        place.world_from_component = frame_by_vision(all[c], published, options.max_stayed_move);
+        place.world_from_component =
+            frame_by_vision(all[c], published, anchors, options.max_stayed_move);
         if (datum) {
             gravity[c] = gravity_of(all[c], evidence, options);
             positions[c] = located(all[c], *datum, evidence);

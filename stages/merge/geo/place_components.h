@@ -15,6 +15,7 @@
 #include "graph/scene.h"
 #include "graph/sim3.h"
 #include "stages/merge/geo/georeference.h"
+#include "stages/merge/geo/keep_frame.h"
 #include "stages/merge/values/image_evidence.h"
 #include "stages/merge/values/merge_options.h"
 #include "stages/merge/values/model_cameras.h"
@@ -62,6 +63,9 @@ struct PlacedComponents {
 ///    similarity that brings most of them where they were (keep_frame.h). A new one has the gauge
 ///    of its largest cluster, scaled so that the median distance of a camera to its nearest
 ///    neighbour is 1.
+///    Where that moves half of a component's anchors away (two and more: from where `previous` has
+///    them, else from where they were when the session began), these alone say: a model that a
+///    session began with may be lost for a time, or be joined by a larger one; its world is not.
 /// 2. *Positions.* A component with enough evidence (georeference.h) has a place on the earth. It
 ///    stays where 1 has it as long as that is within `hold` standard errors of the place (root mean
 ///    square over its cameras) and turned against it by no more than as many of the heading's, or
@@ -78,9 +82,11 @@ struct PlacedComponents {
 ///    lost its evidence (a split).
 /// Without positions, or with use_gps off, 1 is all. Components never change in themselves, and
 /// their number never changes: positions put them into relation, vision alone joins them.
+/// @param anchors   ascending by image, each once
 /// @param evidence  ascending by image; images that it lacks have neither position nor orientation
 /// Deterministic. Thread-safe.
 PlacedComponents place_components(std::span<const Component> components, const Scene* previous,
+                                  std::span<const WorldAnchor> anchors,
                                   std::span<const ImageEvidence> evidence,
                                   const MergeOptions& options);
 

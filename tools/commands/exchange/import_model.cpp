@@ -195,7 +195,7 @@ std::optional<Failure> begin(const SessionArguments& session, const ModelImportA
     const auto foreign = read_model(arguments, database.get());
     if (!foreign.ok()) return Failure{foreign.error()};
     if (auto checked = check_photographs(*foreign); !checked.ok()) return Failure{checked.error()};
-    remember_ids(foreign->model, config);
+    remember_model(foreign->model, config);
     config.keep_world = true;
     config.order.clear();  // of what comes after
     const ThreadBudget budget(session.threads);

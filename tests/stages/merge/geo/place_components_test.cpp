@@ -116,6 +116,32 @@ TEST_F(PlaceComponents, UnconnectedPartsStandInRelation) {
     EXPECT_FALSE(world_reference(models, problem.evidence, options.georeference));
 }
 
+/// The second part is cameras 20 to 41.
+TEST_F(PlaceComponents, WhatComesBackStandsWhereTheModelHadItThatASessionBeganWith) {
+    MergeProblem problem = apart();
+    const auto anchor = [&](std::uint32_t image) {
+        return WorldAnchor{ImageId{image}, cut.scene.images[image].cam_from_world};
+    };
+    problem.anchors = {anchor(5), anchor(9), anchor(20)};
+    const MergeResult first = merged(problem);
+    for (std::size_t k = 0; k < 20; ++k) EXPECT_LT((placed(first, k) - centre(k)).norm(), 1e-6);
+    EXPECT_GT((placed(first, 30) - centre(30)).norm(), 0.1) << "one anchor gives no scale";
+
+    // A part that was published without its anchors moves to them, one that had them stays.
+    problem.previous = test::publish(problem, first);
+    problem.anchors = {anchor(5), anchor(9)};
+    for (WorldAnchor& moved : problem.anchors) moved.cam_from_world.translation.x() += 1.0;
+    EXPECT_LT(largest_move(first, merged(problem)), 1e-6);
+    auto without = std::make_shared<Scene>(*problem.previous);
+    without->clusters.erase(without->clusters.begin());
+    problem.previous = without;
+    problem.anchors = {anchor(20), anchor(31)};
+    EXPECT_LT((placed(merged(problem), 30) - placed(first, 30)).norm(), 1e-6);
+    problem.anchors = {anchor(5), anchor(9)};
+    const MergeResult again = merged(problem);
+    for (std::size_t k = 0; k < 20; ++k) EXPECT_LT((placed(again, k) - centre(k)).norm(), 1e-6);
+}
+
 TEST_F(PlaceComponents, WithoutPositionsNothingChanges) {
     const MergeResult plain = merged(apart());
     MergeProblem problem = apart();
