@@ -6,6 +6,8 @@
 #include <array>
 #include <fstream>
 
+#include "storage/exchange/files/link_on_the_way.h"
+
 namespace psfm {
 namespace {
 
@@ -32,31 +34,37 @@ bool have_equal_bytes(const std::filesystem::path& one, const std::filesystem::p
 StagedFiles::~StagedFiles() {
     std::error_code ignored;
     for (const auto& temporary : begun_) std::filesystem::remove(temporary, ignored);
-    // The last one made first. Only empty ones go: removal of others fails.
-    for (; !made_folders_.empty(); made_folders_.pop_back()) {
-        std::filesystem::remove(made_folders_.back(), ignored);
+    remove_made_folders({});
+}
+
+/// The last one made first. Only empty ones go: removal of others fails.
+void StagedFiles::remove_made_folders(const std::filesystem::path& within) {
+    std::error_code ignored;
+    for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
+        if (std::ranges::mismatch(within, *folder).in1 == within.end())
+            std::filesystem::remove(*folder, ignored);
     }
 }
 
 Result<void> StagedFiles::make_folder(const std::filesystem::path& folder) {
-    if (folder.empty() || std::filesystem::is_directory(folder)) return {};
-    if (auto made = make_folder(folder.parent_path()); !made) return made;
     std::error_code failure;
-    std::filesystem::create_directory(folder, failure);
+    if (folder.empty() || std::filesystem::is_directory(folder, failure)) return {};
+    if (auto made = make_folder(folder.parent_path()); !made) return made;
+    if (std::filesystem::create_directory(folder, failure)) made_folders_.push_back(folder);
     if (failure) return file_error(folder, failure.value());
-    made_folders_.push_back(folder);
     return {};
 }
 
 Result<std::filesystem::path> StagedFiles::begin(const std::filesystem::path& path) {
     const std::lock_guard lock(mutex_);
-    if (auto made = make_folder(path.parent_path()); !made.ok()) return made.error();
-    return begun_.emplace_back(path.string() + ".partial");
+    const auto temporary = folder_ / kStagingFolder / path.lexically_relative(folder_);
+    if (auto made = make_folder(temporary.parent_path()); !made.ok()) return made.error();
+    return begun_.emplace_back(temporary);
 }
 
 void StagedFiles::stage_unless_equal(const std::filesystem::path& temporary,
                                      const std::filesystem::path& path) {
-    const bool equal = have_equal_bytes(temporary, path);
+    const bool equal = !link_on_the_way(folder_, path) && have_equal_bytes(temporary, path);
     std::error_code ignored;
     if (equal) std::filesystem::remove(temporary, ignored);
     const std::lock_guard lock(mutex_);
@@ -94,7 +102,7 @@ Result<void> StagedFiles::link_folder(const std::filesystem::path& target,
     const auto temporary = begin(path);
     if (!temporary.ok()) return temporary.error();
     std::error_code failure;
-    if (std::filesystem::read_symlink(path, failure) == target) {
+    if (!link_on_the_way(folder_, path) && std::filesystem::read_symlink(path, failure) == target) {
         staged_.push_back({{}, path});
         return {};
     }
@@ -105,36 +113,57 @@ Result<void> StagedFiles::link_folder(const std::filesystem::path& target,
     return {};
 }
 
-Result<void> StagedFiles::folder(const std::filesystem::path& path) {
-    const std::lock_guard lock(mutex_);
-    return make_folder(path);
+/// A file, a link, or a folder that is empty; then the folders above it that are empty, too.
+Result<void> StagedFiles::take_away(const std::filesystem::path& path) {
+    std::error_code failure;
+    if (link_on_the_way(folder_, path)) return {};  // what is there is not what was written
+    if (!std::filesystem::exists(std::filesystem::symlink_status(path, failure))) return {};
+    std::filesystem::remove(path, failure);
+    if (failure == std::errc::directory_not_empty) return {};
+    if (failure) return file_error(path, failure.value());
+    for (auto above = path.lexically_relative(folder_).parent_path(); !above.empty();
+         above = above.parent_path()) {
+        if (!std::filesystem::is_empty(folder_ / above, failure) ||
+            !std::filesystem::remove(folder_ / above, failure))
+            break;
+    }
+    return {};
 }
 
-void StagedFiles::remove_outdated(const std::filesystem::path& path) {
-    outdated_.push_back(path);
+Result<void> StagedFiles::put(const Staged& file) {
+    if (const auto link = link_on_the_way(folder_, file.path)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     link->string() +
+                         " is a link, and nothing is written through links: choose "
+                         "another output folder, or remove the link"};
+    }
+    if (auto made = make_folder(file.path.parent_path()); !made.ok()) return made.error();
+    std::error_code failure;
+    std::filesystem::rename(file.temporary, file.path, failure);
+    if (failure) return file_error(file.path, failure.value());
+    return {};
 }
 
 Result<void> StagedFiles::commit() {
-    std::error_code failure;
+    std::vector<Staged> changed;
     for (const Staged& file : staged_) {
-        if (file.temporary.empty()) continue;
-        std::filesystem::rename(file.temporary, file.path, failure);
-        if (failure) return file_error(file.path, failure.value());
+        if (!file.temporary.empty()) changed.push_back(file);
     }
-    std::error_code ignored;
+    // The first one takes the old one's place in one step: all others are gone by then.
+    for (std::size_t n = changed.size(); n-- > 1;) {
+        if (auto gone = take_away(changed[n].path); !gone.ok()) return gone.error();
+    }
     for (const auto& path : outdated_) {
-        const bool written = std::ranges::find(staged_, path, &Staged::path) != staged_.end();
-        if (written) continue;
-        std::filesystem::remove(path, failure);
-        if (failure && failure != std::errc::directory_not_empty) {
-            return file_error(path, failure.value());
-        }
-        auto folder = path.parent_path();
-        while (std::filesystem::is_empty(folder, ignored) &&
-               std::filesystem::remove(folder, ignored)) {
-            folder = folder.parent_path();
-        }
+        if (std::ranges::find(staged_, path, &Staged::path) != staged_.end()) continue;
+        if (auto gone = take_away(path); !gone.ok()) return gone.error();
     }
+    for (const Staged& file : changed) {
+        if (auto done = put(file); !done.ok()) return done.error();
+    }
+    for (const auto& path : folders_) {
+        if (auto made = make_folder(path); !made.ok()) return made.error();
+    }
+    remove_made_folders(folder_ / kStagingFolder);
     staged_.clear();
     begun_.clear();
     made_folders_.clear();

@@ -71,9 +71,7 @@ Result<void> stage_dataset(const ExportedModel& model, const std::filesystem::pa
     if (!written.ok()) return written.error();
     if (written = stage_stereo(model, place / "stereo", files); !written.ok())
         return written.error();
-    for (const auto& folder : dataset_folders(place)) {
-        if (auto made = files.folder(folder); !made.ok()) return made.error();
-    }
+    for (const auto& folder : dataset_folders(place)) files.folder(folder);
     return {};
 }
 

@@ -35,7 +35,7 @@ Paths files_of(ExportFormat format, const std::filesystem::path& place) {
         case ExportFormat::kBundler:
             return {place / "bundle.out", place / "list.txt"};
         case ExportFormat::kNerfstudio:
-            return {place / "transforms.json", place / "sparse_pc.ply", place / "images"};
+            return {place / "transforms.json", place / "sparse_pc.ply"};
         case ExportFormat::kGltf:
             return {place.string() + ".gltf", place.string() + ".bin"};
     }
@@ -51,8 +51,7 @@ bool has_own_folder(ExportFormat format) {
 /// readers that look at nothing outside of the model's folder need, and other machines.
 Result<void> stage_nerfstudio_model(const ExportedModel& model, const std::filesystem::path& place,
                                     const std::filesystem::path& photos, StagedFiles& files) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(photos, ignored)) {
+    if (!photos.empty()) {
         if (auto linked = files.link_folder(photos, place / "images"); !linked.ok())
             return linked.error();
     }
@@ -89,16 +88,11 @@ bool is_there(const std::filesystem::path& path) {
            std::filesystem::file_type::not_found;
 }
 
-Error not_ours(const std::filesystem::path& path) {
-    return {ErrorCode::kInvalidArgument,
-            path.string() + " was not written by psfm: choose another output folder, or remove it"};
-}
-
-/// Decides over every file that has, or could be taken to have, a part in this export: what psfm
-/// wrote earlier is replaced or removed, anything else stops the export.
-Result<void> settle_previous(std::size_t models, ExportFormat format,
-                             const std::filesystem::path& folder, PreviousExport& previous,
-                             StagedFiles& files) {
+/// Claims every file of this export. What could be taken to have a part in it, and is somebody
+/// else's, stops it.
+Result<void> claim_files(std::size_t models, ExportFormat format,
+                         const std::filesystem::path& folder, const WriteModelsOptions& options,
+                         PreviousExport& previous) {
     const bool colmap = format == ExportFormat::kColmap || format == ExportFormat::kColmapText;
     const ExportFormat other =
         format == ExportFormat::kColmap ? ExportFormat::kColmapText : ExportFormat::kColmap;
@@ -108,35 +102,19 @@ Result<void> settle_previous(std::size_t models, ExportFormat format,
         Paths present = own;
         if (colmap) std::ranges::copy(files_of(other, place), std::back_inserter(present));
         std::erase_if(present, [](const auto& path) { return !is_there(path); });
-        if (n >= models && present.empty()) return {};
+        if (n >= models && present.empty()) break;
         for (const auto& path : present) {
-            if (!previous.wrote(path)) {
-                return not_ours(path);
-            }
-            const bool replaced = n < models && std::ranges::find(own, path) != own.end();
-            if (replaced) continue;
-            files.remove_outdated(path);
-            previous.remove(path);
+            if (!previous.wrote(path)) return not_written_by_psfm(path);
         }
         if (n >= models) continue;
-        for (const auto& path : own) previous.add(path);
-    }
-}
-
-/// The same for the files that tell where on the earth the models stand.
-Result<void> settle_geo_files(const std::filesystem::path& folder,
-                              const std::map<std::string, std::string>& wanted,
-                              PreviousExport& previous, StagedFiles& files) {
-    for (const std::string_view name : kGeoNames) {
-        const std::filesystem::path path = folder / name;
-        const bool ours = previous.wrote(path);
-        if (wanted.contains(std::string(name))) {
-            if (is_there(path) && !ours) return not_ours(path);
-            previous.add(path);
-        } else if (ours) {
-            if (is_there(path)) files.remove_outdated(path);
-            previous.remove(path);
+        for (const auto& path : own) {
+            if (auto ours = previous.claim(path); !ours.ok()) return ours.error();
         }
+        if (format != ExportFormat::kNerfstudio || options.photo_folder.empty()) continue;
+        if (auto ours = previous.claim(place / "images"); !ours.ok()) return ours.error();
+    }
+    for (const auto& [name, text] : options.geo_files) {
+        if (auto ours = previous.claim(folder / name); !ours.ok()) return ours.error();
     }
     return {};
 }
@@ -178,15 +156,12 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
                                                         const WriteModelsOptions& options) {
     auto previous = PreviousExport::take(folder);
     if (!previous.ok()) return previous.error();
-    StagedFiles files;
-    if (auto settled = settle_previous(models.size(), format, folder, *previous, files);
-        !settled.ok()) {
-        return settled.error();
-    }
-    if (auto settled = settle_geo_files(folder, options.geo_files, *previous, files); !settled.ok())
-        return settled.error();
-    // The list comes first: should the machine stop between two files, none of them is a stranger.
-    if (auto staged = previous->stage(files); !staged.ok()) return staged.error();
+    WriteModelsOptions there = options;
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(there.photo_folder, ignored)) there.photo_folder.clear();
+    if (auto claimed = claim_files(models.size(), format, folder, there, *previous); !claimed.ok())
+        return claimed.error();
+    StagedFiles files(folder);
     for (const auto& [name, text] : options.geo_files) {
         auto staged =
             files.write(folder / name, [&body = text](OutputFile& file) { file.text(body); });
@@ -195,11 +170,11 @@ Result<std::vector<std::filesystem::path>> write_models(std::span<const Exported
     Paths written;
     for (std::size_t n = 0; n < models.size(); ++n) {
         const std::filesystem::path place = folder / std::to_string(n);
-        if (auto staged = stage(models[n], n, format, place, options, files); !staged.ok())
+        if (auto staged = stage(models[n], n, format, place, there, files); !staged.ok())
             return staged.error();
         written.push_back(has_own_folder(format) ? place : files_of(format, place).front());
     }
-    if (auto committed = files.commit(); !committed.ok()) return committed.error();
+    if (auto settled = previous->settle(files); !settled.ok()) return settled.error();
     return written;
 }
 

@@ -48,8 +48,7 @@ struct WriteModelsOptions {
     std::filesystem::path photo_folder = {};
     /// What PLY files hold.
     PlyContents ply = PlyContents::kPointsAndCameras;
-    /// Files of DIR that tell where on the earth the models stand, by name. Those of an earlier
-    /// export that are not among them are removed.
+    /// Files of DIR that tell where on the earth the models stand, by name.
     std::map<std::string, std::string> geo_files = {};
     /// Where up is in each model's frame, for formats with an up of their own (glTF). Fewer than
     /// models: -y, as in a camera's frame.
@@ -60,10 +59,10 @@ struct WriteModelsOptions {
 std::span<const std::string_view> geo_file_names();
 
 /// Writes models into a folder, which is made if need be. All files appear together at the end, so
-/// that a failure leaves no half-written file and an earlier export as it was. Files of an earlier
-/// export that would be taken for part of this one (further models, COLMAP's other encoding) are
-/// removed; such files of anybody else stop the export, and nothing else in the folder is touched.
-/// The file `.psfm-export` in the folder lists what is psfm's.
+/// that a failure leaves no half-written file and an earlier export as it was. What psfm wrote
+/// there before, in whatever format, is replaced or removed (PreviousExport). Files of anybody else
+/// that would be taken for part of this export (further models, COLMAP's other encoding) stop it,
+/// and nothing else in the folder is touched.
 /// @return one path a model: its folder, or its file
 /// @errors kInvalidArgument (a name that the format cannot hold, a file of somebody else in the
 /// way),

@@ -333,9 +333,9 @@ TEST_F(ExportDataset, OfAPartThatIsNoMoreNothingIsLeft) {
 
 TEST_F(ExportDataset, LeftoversOfAKilledExportGo) {
     ASSERT_EQ(export_to("data").exit_code, 0);
-    test::put_file(place("data/0/images/five.jpg.partial"), "half");
+    test::put_file(place("data/.psfm-partial/0/images/five.jpg"), "half");
     ASSERT_EQ(export_to("data").exit_code, 0);
-    EXPECT_FALSE(fs::exists(place("data/0/images/five.jpg.partial")));
+    EXPECT_FALSE(fs::exists(place("data/.psfm-partial")));
 }
 
 TEST_F(ExportDataset, OptionsOfADataSetGoWithNothingElse) {

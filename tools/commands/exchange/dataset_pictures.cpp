@@ -13,6 +13,7 @@
 
 #include "stages/features/photographs/photo_mask.h"
 #include "stages/features/photographs/read_file_bytes.h"
+#include "storage/exchange/files/link_on_the_way.h"
 #include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/export_models.h"
 #include "tools/commands/console/count_line.h"
@@ -98,10 +99,24 @@ Result<std::uint32_t> view_for(const Camera& camera, std::uint8_t quarter_turns,
     return static_cast<std::uint32_t>(views.size() - 1);
 }
 
+/// images, images_2, …, masks, masks_2, …
+std::vector<std::string> picture_folders(const PictureOptions& options) {
+    std::vector<std::string> folders;
+    const auto add = [&](const std::string& folder) {
+        folders.push_back(folder);
+        for (const std::uint32_t factor : options.reductions)
+            folders.push_back(folder + "_" + std::to_string(factor));
+    };
+    add("images");
+    if (options.masks) add("masks");
+    return folders;
+}
+
 bool all_there(const std::filesystem::path& place, const std::string& name, std::uint64_t bytes,
                const PictureOptions& options) {
     const auto places = picture_places(name, options);
     for (std::size_t k = 0; k < places.size(); ++k) {
+        if (link_on_the_way(place, place / places[k])) return false;  // an earlier export's
         std::error_code failure;
         const auto size = std::filesystem::file_size(place / places[k], failure);
         if (failure || (k == 0 && size != bytes)) return false;
@@ -140,18 +155,6 @@ std::vector<std::filesystem::path> picture_places(const std::string& name,
         places.push_back(std::filesystem::path(folders[k]) /
                          (k < pictures ? name : mask_name(name)));
     return places;
-}
-
-std::vector<std::string> picture_folders(const PictureOptions& options) {
-    std::vector<std::string> folders;
-    const auto add = [&](const std::string& folder) {
-        folders.push_back(folder);
-        for (const std::uint32_t factor : options.reductions)
-            folders.push_back(folder + "_" + std::to_string(factor));
-    };
-    add("images");
-    if (options.masks) add("masks");
-    return folders;
 }
 
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,

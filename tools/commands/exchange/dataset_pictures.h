@@ -55,8 +55,6 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
 /// images_2/NAME, …, then, if there are masks, masks/…, masks_2/….
 std::vector<std::filesystem::path> picture_places(const std::string& name,
                                                   const PictureOptions& options);
-/// The folders of these.
-std::vector<std::string> picture_folders(const PictureOptions& options);
 
 /// Makes what the plan asks for, on all threads of the budget, within about 600 MiB. Photographs
 /// that cannot be used are taken out of the plan.

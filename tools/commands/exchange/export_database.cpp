@@ -78,34 +78,20 @@ std::optional<Failure> write_pairs(const SessionReader& session, const DatabaseC
     return std::nullopt;
 }
 
-/// What only psfm wrote is replaced.
-Result<void> check_output(const std::filesystem::path& file, const PreviousExport& previous) {
-    std::error_code ignored;
-    if (std::filesystem::exists(file, ignored) && !previous.wrote(file)) {
-        return Error{
-            ErrorCode::kInvalidArgument,
-            file.string() + " was not written by psfm: choose another output folder, or remove it"};
-    }
-    return {};
-}
-
 std::optional<Failure> write_database(const SessionReader& session,
                                       const DatabaseContents& contents,
                                       const std::filesystem::path& file, Totals& totals) {
     auto previous = PreviousExport::take(file.parent_path());
     if (!previous.ok()) return of_output(previous.error());
-    if (auto checked = check_output(file, *previous); !checked.ok())
-        return of_output(checked.error());
-    previous->add(file);
-    StagedFiles files;  // outlives the writer: the folder goes when nothing is left in it
-    if (auto staged = previous->stage(files); !staged.ok()) return of_output(staged.error());
+    if (auto claimed = previous->claim(file); !claimed.ok()) return of_output(claimed.error());
     const auto writer = ColmapDatabaseWriter::create(file);
     if (!writer.ok()) return of_output(writer.error());
     if (auto failure = write_images(session, contents, **writer, totals)) return failure;
     if (auto failure = write_pairs(session, contents, **writer, totals)) return failure;
-    // The list comes first: should the machine stop here, the database is no stranger.
-    if (auto committed = files.commit(); !committed.ok()) return of_output(committed.error());
+    if (auto announced = previous->announce(); !announced.ok()) return of_output(announced.error());
     if (auto done = (*writer)->finish(); !done.ok()) return of_output(done.error());
+    StagedFiles none(file.parent_path());
+    if (auto settled = previous->settle(none); !settled.ok()) return of_output(settled.error());
     return std::nullopt;
 }
 

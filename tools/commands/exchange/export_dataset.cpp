@@ -110,30 +110,6 @@ bool is_picture_folder(const std::string& name) {
     return name.starts_with("images") || name.starts_with("masks");
 }
 
-/// Files that are replaced as a whole: those of a part's folder.
-bool belongs_to_parts(const std::string& path, bool one_part) {
-    const std::string first = path.substr(0, path.find('/'));
-    if (!one_part) return std::ranges::all_of(first, [](char c) { return c >= '0' && c <= '9'; });
-    static const std::set<std::string> kNames{"sparse", "stereo", "transforms.json",
-                                              "sparse_pc.ply", kDatasetRecordName};
-    return kNames.contains(first) || is_picture_folder(first);
-}
-
-bool is_within(const std::filesystem::path& path, const std::filesystem::path& folder) {
-    return std::ranges::mismatch(folder, path).in1 == folder.end();
-}
-
-/// What an export that was killed left: pictures that had no name yet.
-void remove_leftovers(const std::filesystem::path& folder) {
-    std::error_code failure;
-    for (std::filesystem::directory_iterator entry(folder, failure), end; !failure && entry != end;
-         entry.increment(failure)) {
-        std::error_code ignored;
-        if (entry->path().extension() == ".partial")
-            std::filesystem::remove(entry->path(), ignored);
-    }
-}
-
 /// One export into one folder.
 class DatasetExport {
   public:
@@ -143,7 +119,8 @@ class DatasetExport {
           arguments_(arguments),
           options_(picture_options(arguments)),
           output_(std::move(output)),
-          previous_(std::move(previous)) {
+          previous_(std::move(previous)),
+          files_(output_) {
         std::vector<std::string> names;
         names.reserve(contents.images.size());
         for (const Image& image : contents.images) names.push_back(image.name);
@@ -189,18 +166,6 @@ class DatasetExport {
         return arguments_.part ? output_ : output_ / std::to_string(part);
     }
 
-    Result<void> claim(const std::filesystem::path& path) {
-        std::error_code ignored;
-        if (std::filesystem::exists(path, ignored) && !previous_.wrote(path)) {
-            return Error{
-                ErrorCode::kInvalidArgument,
-                path.string() +
-                    " was not written by psfm: choose another output folder, or remove it"};
-        }
-        ours_.insert(path);
-        return {};
-    }
-
     std::optional<Failure> stage_part(std::size_t n) {
         const ExportedModel& model = contents_.models[n];
         const std::filesystem::path place = place_of(n);
@@ -209,18 +174,21 @@ class DatasetExport {
         for (const auto& image : plan->images) {
             if (!image) continue;
             for (const auto& path : picture_places(image->name, options_.picture)) {
-                if (auto ours = claim(place / path); !ours.ok()) return of_output(ours.error());
+                if (auto ours = previous_.claim(place / path); !ours.ok())
+                    return of_output(ours.error());
             }
         }
         std::vector<std::filesystem::path> others = dataset_model_files(place);
         others.push_back(place / kDatasetRecordName);
         for (const auto& path : others) {
-            if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
+            if (auto ours = previous_.claim(path); !ours.ok()) return of_output(ours.error());
         }
-        for (const auto& folder : dataset_folders(place)) ours_.insert(folder);
-        for (const std::string& folder : picture_folders(options_.picture))
-            remove_leftovers(place / folder);
+        for (const auto& folder : dataset_folders(place)) {
+            if (auto ours = previous_.claim_folder(folder); !ours.ok())
+                return of_output(ours.error());
+        }
         const std::size_t wanted = plan->tasks.size();
+        const auto planned = plan->images;
         auto left_out = make_pictures(*plan, photos_, place, options_.picture, files_);
         if (!left_out.ok()) return of_output(left_out.error());
         const auto pictures = static_cast<std::size_t>(std::ranges::count_if(
@@ -230,8 +198,8 @@ class DatasetExport {
                 return of_output(no_photographs(place, *left_out));
             left_out_.push_back("all of " + place.string() + ": " +
                                 no_photographs(place, *left_out).message);
-            std::erase_if(ours_, [&](const auto& path) { return is_within(path, place); });
-            skipped_.push_back(place);
+            previous_.give_up(place);
+            if (previous_.wrote(place / kDatasetRecordName)) previous_.keep(place);
             return std::nullopt;
         }
         parts_.push_back({n, &model, float_origin(model)});
@@ -241,18 +209,11 @@ class DatasetExport {
             !staged.ok())
             return of_output(staged.error());
         records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
-        // Names of those that were left out are given up again.
-        std::set<std::filesystem::path> there;
-        for (const auto& image : plan->images) {
-            if (!image) continue;
-            for (const auto& path : picture_places(image->name, options_.picture))
-                there.insert(place / path);
+        for (std::size_t i = 0; i < planned.size(); ++i) {
+            if (!planned[i] || plan->images[i]) continue;
+            for (const auto& path : picture_places(planned[i]->name, options_.picture))
+                previous_.give_up(place / path);
         }
-        std::erase_if(ours_, [&](const std::filesystem::path& path) {
-            const bool picture = path.parent_path().parent_path() == place &&
-                                 is_picture_folder(path.parent_path().filename().string());
-            return picture && !there.contains(path);
-        });
         left_out_.insert(left_out_.end(), left_out->begin(), left_out->end());
         summary_.push_back(place.string() + ": " + counted(pictures, "image") + " of " +
                            counted(undistorted.cameras.size(), "camera") + ", " +
@@ -279,7 +240,7 @@ class DatasetExport {
         const auto reference = world_reference_of(contents_.models, known);
         for (const auto& [name, text] : geo_files(reference, parts_, known)) {
             const std::filesystem::path path = output_ / name;
-            if (auto ours = claim(path); !ours.ok()) return of_output(ours.error());
+            if (auto ours = previous_.claim(path); !ours.ok()) return of_output(ours.error());
             auto staged =
                 files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
             if (!staged.ok()) return of_output(staged.error());
@@ -291,40 +252,21 @@ class DatasetExport {
     }
 
     std::optional<Failure> commit() {
-        std::set<std::filesystem::path> outdated;
         std::size_t pictures = 0;
-        for (const std::string& relative : previous_.paths()) {
-            const std::filesystem::path path = output_ / relative;
-            const bool replaced =
-                belongs_to_parts(relative, arguments_.part.has_value()) ||
-                std::ranges::find(geo_file_names(), relative) != geo_file_names().end();
-            const bool skipped = std::ranges::any_of(
-                skipped_, [&](const auto& place) { return is_within(path, place); });
-            if (!replaced || skipped || ours_.contains(path) || !outdated.insert(path).second)
-                continue;
+        for (const auto& path : previous_.outdated()) {
             if (is_picture_folder(path.parent_path().filename().string())) ++pictures;
         }
         if (pictures > 0) {
             summary_.push_back(output_.string() + ": " + counted(pictures, "picture") +
                                " of an earlier export removed");
         }
-        for (const auto& path : outdated) {
-            std::error_code ignored;
-            if (std::filesystem::exists(path, ignored)) files_.remove_outdated(path);
-            previous_.remove(path);
-        }
-        for (const auto& path : ours_) previous_.add(path);
-        // The list comes first: should the machine stop between two files, none is a stranger.
-        StagedFiles list;
-        if (auto staged = previous_.stage(list); !staged.ok()) return of_output(staged.error());
-        if (auto done = list.commit(); !done.ok()) return of_output(done.error());
         // Records come last: a picture counts as made once all are in their places.
         for (const auto& [path, text] : records_) {
             auto staged =
                 files_.write(path, [&, &words = text](OutputFile& file) { file.text(words); });
             if (!staged.ok()) return of_output(staged.error());
         }
-        if (auto done = files_.commit(); !done.ok()) return of_output(done.error());
+        if (auto done = previous_.settle(files_); !done.ok()) return of_output(done.error());
         return std::nullopt;
     }
 
@@ -336,10 +278,8 @@ class DatasetExport {
     std::vector<std::filesystem::path> photos_;  ///< folders; the first ones count first
     std::vector<std::string> names_;
     StagedFiles files_;
-    std::set<std::filesystem::path> ours_;
     std::vector<std::pair<std::filesystem::path, std::string>> records_;
     std::vector<GeoPart> parts_;
-    std::vector<std::filesystem::path> skipped_;  ///< parts none of whose photographs is there
     std::vector<std::string> left_out_;
     std::string trouble_;
     std::vector<std::string> summary_;
