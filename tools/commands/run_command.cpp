@@ -73,8 +73,9 @@ int run(const CLI::App& command, const RunArguments& arguments) {
         if (!masks.ok()) return report_error(masks.error(), ErrorOrigin::kOtherInput);
     }
     if (!arguments.dataset_folder.empty()) {
-        const auto possible =
-            check_output_folder(arguments.dataset_folder, arguments.session.session);
+        auto possible = check_output_folder(arguments.dataset_folder, arguments.session.session);
+        if (possible.ok())
+            possible = check_apart_from_photographs(arguments.dataset_folder, arguments.photos, {});
         if (!possible.ok()) return report_error(possible.error(), ErrorOrigin::kOtherInput);
     }
     const int code = start_session(command, arguments.session, arguments.photos, *std::move(config),

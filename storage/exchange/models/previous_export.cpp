@@ -3,6 +3,7 @@
 #include "storage/exchange/models/previous_export.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include "storage/exchange/files/text_input.h"
 
@@ -112,11 +113,11 @@ void PreviousExport::keep(const fs::path& folder) {
 
 std::vector<fs::path> PreviousExport::outdated() const {
     std::vector<fs::path> gone;
-    for (auto name = paths_.rbegin(); name != paths_.rend(); ++name) {
-        const fs::path path = folder_ / *name;
+    for (const std::string& name : std::views::reverse(paths_)) {
+        const fs::path path = folder_ / name;
         const bool kept =
             std::ranges::any_of(kept_, [&](const fs::path& folder) { return is_in(path, folder); });
-        if (!kept && !claimed_.contains(*name)) gone.push_back(path);
+        if (!kept && !claimed_.contains(name)) gone.push_back(path);
     }
     return gone;
 }

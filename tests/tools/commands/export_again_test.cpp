@@ -131,6 +131,29 @@ TEST_F(ExportAgain, LinksOfOthersStopIt) {
     }
 }
 
+TEST_F(ExportAgain, NothingGoesAmongThePhotographs) {
+    const fs::path photos = session_.photo_folder();
+    for (const fs::path& output : {photos, photos / "a", photos / "." / ""}) {
+        for (const char* format : {"dataset", "ply", "colmap-database"}) {
+            const std::string refused = export_to(output, format);
+            EXPECT_EQ(exit_code_, 3) << output << format;
+            EXPECT_NE(refused.find(output.string() + " has the photographs"), std::string::npos)
+                << refused;
+        }
+    }
+    EXPECT_EQ(state_of(photos), photos_);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(test::psfm_command({"run", photos.string(), "--session", place("new").string(),
+                                  "--dataset", photos.string()}),
+              3);
+    EXPECT_NE(testing::internal::GetCapturedStderr().find("has the photographs"),
+              std::string::npos);
+    EXPECT_FALSE(fs::exists(place("new")));
+    // Below them, in a folder of its own, it is passed over.
+    export_to(photos / "train", "dataset");
+    EXPECT_EQ(exit_code_, 0);
+}
+
 TEST_F(ExportAgain, WhatOthersPutAmongPicturesIsNamed) {
     const fs::path output = place("data");
     export_to(output, "dataset");

@@ -93,6 +93,8 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (!format) return kUsageError;  // the option's check has refused it already
     const auto session = open_session_reader(arguments.session, StoreOptions{});
     if (!session.ok()) return report_error(session.error());
+    if (const auto apart = check_apart_from_photographs(arguments.output, **session); !apart.ok())
+        return report_error(apart.error(), ErrorOrigin::kOtherInput);
     const auto scene = scene_to_export(**session, arguments);
     if (!scene.ok()) return report_error(scene.error());
     const auto images = (*session)->images();

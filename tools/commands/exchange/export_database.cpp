@@ -12,6 +12,7 @@
 #include "storage/session/session_store.h"
 #include "tools/commands/console/count_line.h"
 #include "tools/commands/console/report_error.h"
+#include "tools/commands/exchange/output_folder.h"
 
 namespace psfm {
 namespace {
@@ -100,6 +101,8 @@ std::optional<Failure> write_database(const SessionReader& session,
 int export_database(const std::string& session, const std::filesystem::path& folder) {
     const auto reader = open_session_reader(session, StoreOptions{});
     if (!reader.ok()) return report_error(reader.error());
+    if (const auto apart = check_apart_from_photographs(folder, **reader); !apart.ok())
+        return report_error(apart.error(), ErrorOrigin::kOtherInput);
     auto images = (*reader)->images();
     if (!images.ok()) return report_error(images.error());
     auto cameras = (*reader)->cameras();

@@ -25,6 +25,7 @@
 #include "tools/commands/exchange/dataset_pictures.h"
 #include "tools/commands/exchange/geo_files.h"
 #include "tools/commands/exchange/geo_report.h"
+#include "tools/commands/exchange/output_folder.h"
 
 namespace psfm {
 namespace {
@@ -307,6 +308,8 @@ int export_dataset(const std::string& session, const std::string& output,
                    std::optional<std::uint32_t> after_image, const DatasetArguments& arguments) {
     const auto reader = open_session_reader(session, StoreOptions{});
     if (!reader.ok()) return report_error(reader.error());
+    if (const auto apart = check_apart_from_photographs(output, **reader); !apart.ok())
+        return report_error(apart.error(), ErrorOrigin::kOtherInput);
     auto contents = read_session(**reader, after_image);
     if (!contents.ok()) return report_error(contents.error());
     contents->session = session;

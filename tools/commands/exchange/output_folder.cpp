@@ -20,16 +20,44 @@ fs::path resolved(const fs::path& path) {
     return normal.has_filename() ? normal : normal.parent_path();  // without a '/' at the end
 }
 
+bool lies_in(const fs::path& path, const fs::path& folder) {
+    return std::ranges::mismatch(folder, path).in1 == folder.end();
+}
+
 }  // namespace
 
 Result<void> check_output_folder(const fs::path& output, const fs::path& session) {
     if (auto possible = LockedFolder::check(output); !possible.ok()) return possible.error();
     const fs::path folder = resolved(output);
     const fs::path kept = resolved(session);
-    if (std::ranges::mismatch(kept, folder).in1 != kept.end()) return {};
+    if (!lies_in(folder, kept)) return {};
     return Error{ErrorCode::kInvalidArgument,
                  output.string() + " is the session " + session.string() +
                      " or within it, where only its own files are: choose another output folder"};
+}
+
+Result<void> check_apart_from_photographs(const fs::path& output, const fs::path& photo_folder,
+                                          std::span<const Image> images) {
+    const fs::path folder = resolved(output);
+    const fs::path photos = resolved(photo_folder);
+    if (photo_folder.empty() || !lies_in(folder, photos)) return {};
+    const std::string below = folder.lexically_relative(photos).generic_string() + '/';
+    const bool has_some = folder == photos || std::ranges::any_of(images, [&](const Image& image) {
+                              return image.name.starts_with(below);
+                          });
+    if (!has_some) return {};
+    return Error{ErrorCode::kInvalidArgument,
+                 output.string() +
+                     " has the photographs, and the next `psfm run` could not tell them from what "
+                     "is written there: choose another output folder"};
+}
+
+Result<void> check_apart_from_photographs(const fs::path& output, const SessionReader& session) {
+    const auto settings = session.settings();
+    if (!settings.ok()) return settings.error();
+    const auto images = session.images();
+    if (!images.ok()) return images.error();
+    return check_apart_from_photographs(output, settings->photo_folder, *images);
 }
 
 }  // namespace psfm
