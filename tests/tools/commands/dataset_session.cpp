@@ -127,7 +127,9 @@ void DatasetSession::write_photo(std::uint32_t index) {
     image.metadata.orientation = photo.orientation;
     image.metadata.content_hash = XXH64(bytes.data(), bytes.size(), 0);
     const Descriptors descriptors{std::vector<std::uint8_t>(keypoints.size() * Descriptors::kSize)};
-    EXPECT_TRUE(store_->commit_image(image, camera, keypoints, descriptors).ok());
+    ImageSource source;
+    source.file.folder = photo_folder().string();
+    EXPECT_TRUE(store_->commit_image(image, camera, keypoints, descriptors, source).ok());
     EXPECT_TRUE(store_->commit_pairs(image.id, {}, {}, {}).ok());
 }
 
@@ -159,6 +161,10 @@ StoredPlacement DatasetSession::solve(std::uint32_t cluster, std::uint32_t revis
 
 void DatasetSession::damage_settings() {
     EXPECT_TRUE(store_->put_settings({photo_folder().string(), "{damaged"}).ok());
+}
+
+void DatasetSession::run_of(const std::filesystem::path& folder) {
+    EXPECT_TRUE(store_->put_settings({folder.string(), encode_config({})}).ok());
 }
 
 void DatasetSession::publish(std::uint64_t version, const std::map<CameraId, Camera>& cameras) {

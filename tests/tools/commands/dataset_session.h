@@ -39,6 +39,8 @@ class DatasetSession {
     /// Publishes the scene again, the first part's cameras having become these.
     void publish(std::uint64_t version, const std::map<CameraId, Camera>& cameras);
     void damage_settings();
+    /// As if the last run had been of another folder.
+    void run_of(const std::filesystem::path& folder);
 
   private:
     void write_photo(std::uint32_t index);

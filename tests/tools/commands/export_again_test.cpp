@@ -154,6 +154,16 @@ TEST_F(ExportAgain, NothingGoesAmongThePhotographs) {
     EXPECT_EQ(exit_code_, 0);
 }
 
+TEST_F(ExportAgain, PhotographsOfEarlierFoldersAreFound) {
+    fs::create_directory(place("second card"));
+    fs::rename(session_.photo_folder() / "drawn.png", place("second card/drawn.png"));
+    session_.run_of(place("second card"));
+    EXPECT_EQ(export_to(place("data"), "dataset"), "");
+    EXPECT_EQ(exit_code_, 0);
+    for (const char* name : {"drawn.png", "five.jpg"})
+        EXPECT_TRUE(fs::exists(place("data/0/images") / name)) << name;
+}
+
 TEST_F(ExportAgain, WhatOthersPutAmongPicturesIsNamed) {
     const fs::path output = place("data");
     export_to(output, "dataset");

@@ -34,9 +34,10 @@ namespace {
 struct DatasetContents {
     std::filesystem::path session;
     Scene scene;
-    std::vector<Image> images;  ///< content hash 0: came without its photograph
-    std::filesystem::path photo_folder;
-    std::filesystem::path mask_folder;  ///< of `psfm run --masks`; empty: none
+    std::vector<Image> images;                      ///< content hash 0: came without its photograph
+    std::filesystem::path photo_folder;             ///< of the last run
+    std::set<std::filesystem::path> other_folders;  ///< that photographs came from
+    std::filesystem::path mask_folder;              ///< of `psfm run --masks`; empty: none
     std::vector<ExportedModel> models;
 };
 
@@ -52,6 +53,12 @@ Result<DatasetContents> read_session(const SessionReader& session,
     const auto settings = session.settings();
     if (!settings.ok()) return settings.error();
     contents.photo_folder = settings->photo_folder;
+    const auto sources = session.image_sources();
+    if (!sources.ok()) return sources.error();
+    for (const ImageSource& source : *sources) {
+        if (!source.file.folder.empty()) contents.other_folders.insert(source.file.folder);
+    }
+    contents.other_folders.erase(contents.photo_folder);
     const auto config = decode_config(settings->settings_json);
     if (config.ok()) {
         contents.mask_folder = config->masks;
@@ -129,10 +136,14 @@ class DatasetExport {
         if (options_.picture.mask_folder.empty())
             options_.picture.mask_folder = contents.mask_folder;
         // What came by `psfm serve` lies in the session itself.
-        if (!arguments.images.empty())
+        if (!arguments.images.empty()) {
             photos_ = {arguments.images};
-        else
-            photos_ = {contents.session / "photographs", contents.photo_folder};
+        } else {
+            photos_ = {contents.session / "photographs"};
+            photos_.insert(photos_.end(), contents.other_folders.begin(),
+                           contents.other_folders.end());
+            photos_.push_back(contents.photo_folder);
+        }
     }
 
     std::optional<Failure> run() {
