@@ -54,7 +54,8 @@ Error no_model(const ExportArguments& arguments, std::size_t waiting) {
 
 /// Points that a file of the format has: one of those that lie upon each other as floats.
 std::size_t written_points(const ExportedModel& model, ExportFormat format) {
-    if (format != ExportFormat::kPly) return model.points.size();
+    if (format != ExportFormat::kPly && format != ExportFormat::kNerfstudio)
+        return model.points.size();
     return distinct_points(model.points, float_origin(model)).size();
 }
 
