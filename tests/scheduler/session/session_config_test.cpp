@@ -17,6 +17,7 @@ TEST(SessionConfig, SurvivesItsEncoding) {
     config.order = {"b.jpg", "a.jpg"};
     config.history = History::kFull;
     config.memory_mib = 700;
+    config.anchors = {{ImageId{4}, Rigid3{Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {1, 2, 3.25}}}};
     config.given_cameras["a.jpg"] = {"key", make_camera(100, 80, 90.25, FocalSource::kGiven)};
     const auto back = decode_config(encode_config(config));
     ASSERT_TRUE(back.ok()) << back.error().message;
@@ -27,6 +28,11 @@ TEST(SessionConfig, SurvivesItsEncoding) {
     EXPECT_EQ(back->order, config.order);
     EXPECT_EQ(back->history, History::kFull);
     EXPECT_EQ(back->memory_mib, 700U);
+    ASSERT_EQ(back->anchors.size(), 1U);
+    EXPECT_EQ(back->anchors[0].image, ImageId{4});
+    const Rigid3& anchor = back->anchors[0].cam_from_world;
+    EXPECT_EQ(anchor.rotation.coeffs(), config.anchors[0].cam_from_world.rotation.coeffs());
+    EXPECT_EQ(anchor.translation, config.anchors[0].cam_from_world.translation);
     EXPECT_EQ(back->given_cameras.at("a.jpg").camera, config.given_cameras.at("a.jpg").camera);
     EXPECT_EQ(back->given_cameras.at("a.jpg").key, "key");
 }
