@@ -90,18 +90,54 @@ Result<void> check_cameras(const ExportedModel& model, const std::filesystem::pa
     return {};
 }
 
+/// Two files that do not belong together: either may be the one that was cut or changed.
+Error disagreeing(const std::filesystem::path& images_path,
+                  const std::filesystem::path& points_path, const std::string& problem) {
+    return damaged(images_path.string() + " and " + points_path.filename().string(),
+                   "do not belong together, or one is cut: " + problem);
+}
+
+/// What is wrong with an observation of a point, in words.
+std::optional<std::string> problem_of(const ExportedModel& model, const ExportedPoint& point,
+                                      const ExportedObservation& observation) {
+    const std::string number = std::to_string(observation.image_id);
+    const ExportedImage* image = model.find_image(observation.image_id);
+    if (image == nullptr) return "there is no image " + number;
+    if (observation.keypoint >= image->keypoints.size())
+        return "image " + number + " has no feature " + std::to_string(observation.keypoint);
+    if (image->keypoints[observation.keypoint].point == point.id) return std::nullopt;
+    return "feature " + std::to_string(observation.keypoint) + " of image " + number +
+           " is of another point, or of none";
+}
+
+/// Why there are other observations by the images' features than by the tracks, in words.
+std::string difference_of(const ExportedModel& model) {
+    std::set<ExportedObservation> observed;
+    for (const ExportedPoint& point : model.points)
+        observed.insert(point.track.begin(), point.track.end());
+    for (const ExportedImage& image : model.images) {
+        for (std::uint32_t k = 0; k < image.keypoints.size(); ++k) {
+            const std::uint64_t id = image.keypoints[k].point;
+            if (id == kNoPoint || observed.contains({image.id, k})) continue;
+            return "image " + std::to_string(image.id) + " sees point " + std::to_string(id) +
+                   (model.find_point(id) == nullptr ? ", which is not there"
+                                                    : ", whose track does not name it");
+        }
+    }
+    return "a track names one feature twice";
+}
+
 /// Tracks name features of images that name the point in turn.
 Result<void> check_tracks(const ExportedModel& model, const std::filesystem::path& images_path,
                           const std::filesystem::path& points_path) {
     std::size_t observations = 0;
     for (const ExportedPoint& point : model.points) {
         for (const ExportedObservation& observation : point.track) {
-            const ExportedImage* image = model.find_image(observation.image_id);
-            if (image == nullptr || observation.keypoint >= image->keypoints.size() ||
-                image->keypoints[observation.keypoint].point != point.id) {
-                return damaged(points_path, "the track of point " + std::to_string(point.id) +
-                                                " does not agree with image " +
-                                                std::to_string(observation.image_id));
+            if (const auto problem = problem_of(model, point, observation)) {
+                return disagreeing(images_path, points_path,
+                                   "the track of point " + std::to_string(point.id) +
+                                       " names image " + std::to_string(observation.image_id) +
+                                       ", but " + *problem);
             }
         }
         observations += point.track.size();
@@ -112,9 +148,7 @@ Result<void> check_tracks(const ExportedModel& model, const std::filesystem::pat
             image.keypoints,
             [](const ExportedKeypoint& keypoint) { return keypoint.point != kNoPoint; }));
     }
-    if (used != observations) {
-        return damaged(images_path, "features name points whose tracks do not name them");
-    }
+    if (used != observations) return disagreeing(images_path, points_path, difference_of(model));
     return {};
 }
 
@@ -150,7 +184,8 @@ Result<ExportedModel> read_colmap_model(const std::filesystem::path& folder,
                                                " holds no COLMAP model: neither images.bin nor "
                                                "images.txt is there"};
     }
-    const bool binary = std::filesystem::exists(folder / "images.bin");
+    std::error_code ignored;
+    const bool binary = std::filesystem::exists(folder / "images.bin", ignored);
     const std::string ending = binary ? ".bin" : ".txt";
     const auto images_path = folder / ("images" + ending);
     const auto cameras_path = folder / ("cameras" + ending);
@@ -167,7 +202,7 @@ Result<ExportedModel> read_colmap_model(const std::filesystem::path& folder,
         return checked.error();
 
     if (options.cameras) {
-        if (!std::filesystem::exists(cameras_path)) {
+        if (!std::filesystem::exists(cameras_path, ignored)) {
             return Error{ErrorCode::kNotFound, cameras_path.string() + " is missing beside " +
                                                    images_path.filename().string()};
         }
@@ -181,7 +216,7 @@ Result<ExportedModel> read_colmap_model(const std::filesystem::path& folder,
             return checked.error();
     }
 
-    if (options.points && std::filesystem::exists(points_path)) {
+    if (options.points && std::filesystem::exists(points_path, ignored)) {
         auto points = binary ? colmap::read_points_binary(points_path)
                              : colmap::read_points_text(points_path);
         if (!points.ok()) return points.error();

@@ -95,8 +95,24 @@ TEST_F(ReadColmap, DamagedTextNamesFileAndLine) {
     expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0 2\n", "points3D.txt, line 1");
     expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0 2 4\n", "track of point 7");
     expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 1 2 0\n", "track of point 7");
-    expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0\n", "tracks do not name them");
+    expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0\n", "whose track does not name it");
     expect_damaged(kCameras, std::string("\0\x7f\xff garbage", 12), "", "images.txt, line 1");
+}
+
+TEST_F(ReadColmap, FilesThatDisagreeAreBothNamed) {
+    const std::string both = "images.txt and points3D.txt";
+    expect_damaged(kCameras, "", kPoints, both);
+    expect_damaged(kCameras, "", kPoints, "there is no image 1");
+    expect_damaged(kCameras, kImages, "", both);
+    expect_damaged(kCameras, kImages, "", "image 1 sees point 7, which is not there");
+    // Cut at a line's end:
+    expect_damaged(
+        kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n1.5 2.5 7 3 4 -1\n", kPoints,
+        both +
+            ": do not belong together, or one is cut: the track of point 7 names image 2, "
+            "but there is no image 2");
+    expect_damaged(kCameras, kImages, "7 1 2 3 10 20 30 0.5 1 0 1 0 2 0\n",
+                   "a track names one feature twice");
 }
 
 TEST_F(ReadColmap, NamesThatLeadOutOfTheFolderAreRefused) {
