@@ -95,20 +95,30 @@ Result<OpenSession> open_session(const LocaliseArguments& arguments) {
     return session;
 }
 
+/// What is to be localised.
+struct AskedPhoto {
+    PhotoFile photo;
+    std::optional<Error> no_photo;  ///< of a folder that holds none
+};
+
 /// The photographs of a command line: files, and those of folders.
-Result<std::vector<PhotoFile>> photos_of(const std::vector<std::string>& arguments) {
-    std::vector<PhotoFile> photos;
+std::vector<AskedPhoto> photos_of(const std::vector<std::string>& arguments) {
+    std::vector<AskedPhoto> photos;
     for (const std::string& argument : arguments) {
         std::error_code ignored;
         if (!fs::is_directory(argument, ignored)) {
-            photos.push_back({argument, argument});
+            photos.push_back({{argument, argument}, std::nullopt});
             continue;
         }
         auto listing = list_photos(argument);
-        if (!listing.ok()) return listing.error();
+        if (!listing.ok()) {
+            photos.push_back(
+                {{argument, argument}, Error{ErrorCode::kUnreadable, listing.error().message}});
+            continue;
+        }
         for (PhotoFile& photo : listing->photos) {
             photo.name = (fs::path(argument) / photo.name).generic_string();
-            photos.push_back(std::move(photo));
+            photos.push_back({std::move(photo), std::nullopt});
         }
     }
     return photos;
@@ -128,7 +138,9 @@ std::pair<Camera, bool> camera_for(const OpenSession& session, const PhotoMetada
     return {camera, camera.focal_source == FocalSource::kUnknown};
 }
 
-Result<LocalisedPhoto> localise(const OpenSession& session, const PhotoFile& photo) {
+Result<LocalisedPhoto> localise(const OpenSession& session, const AskedPhoto& asked) {
+    if (asked.no_photo) return *asked.no_photo;
+    const PhotoFile& photo = asked.photo;
     const auto options = stage_options(session.config);
     if (!options.ok()) return options.error();
     const auto extracted = run_features(photo, options->features);
@@ -213,21 +225,19 @@ int run_localise(const LocaliseArguments& arguments) {
     const ThreadBudget budget(arguments.threads);
     const auto session = open_session(arguments);
     if (!session.ok()) return report_error(session.error());
-    const auto photos = photos_of(arguments.photos);
-    if (!photos.ok()) return report_error(photos.error(), ErrorOrigin::kOtherInput);
+    const std::vector<AskedPhoto> photos = photos_of(arguments.photos);
     Json all = Json::array();
     std::size_t localised = 0;
     std::size_t readable = 0;
     // Guard: a few at a time, so that results come as they are found, and in order.
     constexpr std::size_t kAtOnce = 8;
-    for (std::size_t first = 0; first < photos->size(); first += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, photos->size() - first);
+    for (std::size_t first = 0; first < photos.size(); first += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, photos.size() - first);
         std::vector<Result<LocalisedPhoto>> found(count, Error{});
-        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-            found[k] = localise(*session, (*photos)[first + k]);
-        });
+        tbb::parallel_for(std::size_t{0}, count,
+                          [&](std::size_t k) { found[k] = localise(*session, photos[first + k]); });
         for (std::size_t k = 0; k < count; ++k) {
-            const PhotoFile& photo = (*photos)[first + k];
+            const PhotoFile& photo = photos[first + k].photo;
             localised += found[k].ok() ? 1 : 0;
             readable += found[k].ok() || (found[k].error().code != ErrorCode::kIo &&
                                           found[k].error().code != ErrorCode::kUnreadable)
@@ -243,7 +253,7 @@ int run_localise(const LocaliseArguments& arguments) {
         const Json json{{"photos", std::move(all)}};
         std::cout << json.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
     } else {
-        std::cout << localised << " of " << photos->size() << " localised\n";
+        std::cout << localised << " of " << photos.size() << " localised\n";
     }
     std::cout << std::flush;
     return readable == 0 ? kBadInput : 0;
