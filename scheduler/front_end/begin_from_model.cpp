@@ -168,6 +168,7 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
             if (!extracted[k]) return extracted[k].error();
             ExtractedPhoto& photo = extracted[k]->photo;
             const ExportedImage& from = *sources[k].image;
+            if (extracted[k]->unread) begun_.unread.push_back(extracted[k]->unread->message);
             if (extracted[k]->is_unlike) begun_.unlike.push_back(from.name);
             Image image;
             image.id = ImageId{static_cast<std::uint32_t>(first + k)};

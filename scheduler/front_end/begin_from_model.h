@@ -21,6 +21,7 @@ struct ForeignModel {
     ExportedModel model;                       ///< images carry their features
     const ColmapDatabase* database = nullptr;  ///< of its features and matches; null: none
     std::filesystem::path photo_folder;        ///< of its images by name; empty: none
+    std::filesystem::path model_folder;        ///< where it was read from, for messages
 };
 
 /// What has become of it.
@@ -34,6 +35,8 @@ struct BegunSession {
     std::vector<std::string> without_descriptors;
     /// Of images whose photographs hardly show what the model has of them.
     std::vector<std::string> unlike;
+    /// Why photographs that are there were not read: taken over as if they were not.
+    std::vector<std::string> unread;
     std::vector<std::uint32_t> repeated_observations;  ///< for SessionConfig: see there
 };
 
@@ -49,8 +52,7 @@ void remember_model(const ExportedModel& model, SessionConfig& config);
 /// the model once the session goes on. Until then exports are the model.
 /// The store is filled commit by commit: on an error, or a kill, it is of no use.
 /// @param progress  called after each image
-/// @errors kInvalidArgument, kDamaged: the model, names and places in it; kUnreadable: a photograph
-/// that is there cannot be read; those of the store
+/// @errors kInvalidArgument, kDamaged: the model, names and places in it; those of the store
 /// Uses the caller's TBB arena. Deterministic for equal inputs, on any number of threads.
 Result<BegunSession> begin_from_model(SessionStore& store, const ForeignModel& foreign,
                                       const SessionConfig& config,

@@ -51,7 +51,7 @@ class DatabaseFrontEnd final : public FrontEnd {
         extracted.keypoints = *std::move(keypoints);
         extracted.descriptors = *std::move(descriptors);
         const PhotoFile file{photo_folder_ / photo.name, photo.name};
-        if (photo_folder_.empty() || !std::filesystem::exists(file.path)) return extracted;
+        if (!has_photograph(photo_folder_, photo.name)) return extracted;
         if (auto added = add_photograph(file, features_, extracted); !added.ok())
             return added.error();
         return extracted;

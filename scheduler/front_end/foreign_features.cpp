@@ -17,6 +17,12 @@ Error about(const std::string& name, const std::string& what) {
     return {ErrorCode::kInvalidArgument, name + ": " + what};
 }
 
+/// What does not fit a camera names the model, too.
+Error about_camera(const ForeignImage& source, const ForeignModel& foreign, const Error& error) {
+    return {error.code, foreign.model_folder.string() + ", camera " +
+                            std::to_string(source.image->camera_id) + ": " + error.message};
+}
+
 Keypoints places_of(const ExportedImage& image) {
     Keypoints places;
     places.reserve(image.keypoints.size());
@@ -81,12 +87,16 @@ std::uint64_t hash_without_photograph(const std::string& name, const Keypoints& 
     return XXH64(name.data(), name.size(), features);
 }
 
+bool has_photograph(const std::filesystem::path& folder, const std::string& name) {
+    std::error_code ignored;
+    return !folder.empty() && std::filesystem::is_regular_file(folder / name, ignored);
+}
+
 Result<ForeignFeatures> foreign_features(const ForeignImage& source, const ForeignModel& foreign,
                                          const FeatureOptions& options) {
     const ExportedImage& image = *source.image;
     const PhotoFile photo{foreign.photo_folder / image.name, image.name};
-    const bool has_photo =
-        !foreign.photo_folder.empty() && std::filesystem::is_regular_file(photo.path);
+    const bool has_photo = has_photograph(foreign.photo_folder, image.name);
     ExtractedPhoto features;
     if (source.database_id) {
         auto read = from_database(image, *foreign.database, *source.database_id);
@@ -99,15 +109,18 @@ Result<ForeignFeatures> foreign_features(const ForeignImage& source, const Forei
     features.metadata.width = source.camera->width;
     features.metadata.height = source.camera->height;
     features.metadata.content_hash = hash_without_photograph(image.name, features.keypoints);
-    if (!has_photo) return ForeignFeatures{std::move(features)};
-    if (!features.descriptors.values.empty()) {
-        if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
-        take_colours(image, foreign.model, features.keypoints);
-        return ForeignFeatures{std::move(features)};
+    if (!has_photo) return ForeignFeatures{std::move(features), false, std::nullopt};
+    // Features that it adds nothing to stay as they are.
+    if (auto done = add_photograph(photo, options, features); !done.ok()) {
+        if (done.error().code == ErrorCode::kInvalidArgument)
+            return about_camera(source, foreign, done.error());
+        return ForeignFeatures{std::move(features), false, done.error()};
     }
+    take_colours(image, foreign.model, features.keypoints);
+    if (!features.descriptors.values.empty())
+        return ForeignFeatures{std::move(features), false, std::nullopt};
     auto found = run_features(photo, options);
-    if (!found.ok()) return found.error();
-    if (auto done = add_photograph(photo, options, features); !done.ok()) return done.error();
+    if (!found.ok()) return ForeignFeatures{std::move(features), false, found.error()};
     AdoptedFeatures adopted =
         adopt_features(features.keypoints, found->keypoints, found->descriptors);
     const bool is_unlike = static_cast<double>(adopted.described) <
@@ -115,7 +128,7 @@ Result<ForeignFeatures> foreign_features(const ForeignImage& source, const Forei
     features.keypoints = std::move(adopted.keypoints);
     take_colours(image, foreign.model, features.keypoints);
     features.descriptors = std::move(adopted.descriptors);
-    return ForeignFeatures{std::move(features), is_unlike};
+    return ForeignFeatures{std::move(features), is_unlike, std::nullopt};
 }
 
 }  // namespace psfm

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -16,6 +17,9 @@ namespace psfm {
 /// even if their features are equal.
 std::uint64_t hash_without_photograph(const std::string& name, const Keypoints& keypoints);
 
+/// Whether a folder has an image's photograph: a file that can be looked at. No folder has none.
+bool has_photograph(const std::filesystem::path& folder, const std::string& name);
+
 /// An image of another program's model.
 struct ForeignImage {
     const ExportedImage* image = nullptr;
@@ -25,12 +29,15 @@ struct ForeignImage {
 
 struct ForeignFeatures {
     ExtractedPhoto photo;
-    bool is_unlike = false;  ///< hardly one of the model's features is found in the photograph
+    bool is_unlike = false;       ///< hardly one of the model's features is found in the photograph
+    std::optional<Error> unread;  ///< the photograph is there, and of no use
 };
 
 /// Its features, in the model's order and with descriptors where these can be had: the database's,
 /// or of the photograph those near the model's, and then what else is found in it.
-/// @errors as run_features, and kInvalidArgument: the database is of another model. Thread-safe.
+/// A photograph that cannot be read is as none.
+/// @errors kInvalidArgument: the database is of another model, or the photograph has another size
+/// than the model's camera; those of the database. Thread-safe.
 Result<ForeignFeatures> foreign_features(const ForeignImage& source, const ForeignModel& foreign,
                                          const FeatureOptions& options);
 

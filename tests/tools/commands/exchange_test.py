@@ -127,6 +127,32 @@ class Exchange(unittest.TestCase):
         self.assertIn(str(file), said)
         self.assertFalse(self.session.exists())
 
+    def test_a_database_without_images_says_so(self):
+        file = self.database(("DELETE FROM images",))
+        said = self.ends(BAD_INPUT, "import", "--session", self.session, "--colmap-database", file)
+        self.assertIn(f"{file} has no images", said)
+        self.assertFalse(self.session.exists())
+
+    def test_a_database_beside_a_model_has_to_be_its_own(self):
+        model = ("import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images",
+                 self.shared / "half", "--colmap-database")
+        said = self.ends(BAD_INPUT, *model, self.database(("UPDATE images SET name = 'other/' || name",)))
+        self.assertIn(f"lacks {self.names[0]} and {IMAGES // 2 - 1} more of the model's {IMAGES // 2} images", said)
+        said = self.ends(BAD_INPUT, *model, self.database(("DELETE FROM two_view_geometries",)))
+        self.assertIn("its matcher has not run", said)
+        self.assertIn("leave --colmap-database out", said)
+        self.assertFalse(self.session.exists())
+        # One that has some is told.
+        said = self.ends(0, *model, self.database(("UPDATE images SET name = 'other' WHERE name = ?", self.names[:1])))
+        self.assertIn(f"changed.db lacks {self.names[0]} of the model's", said)
+
+    def test_a_name_that_no_folder_can_have_is_a_photograph_less(self):
+        name = "a" * 300 + ".jpg"
+        file = self.database(("UPDATE images SET name = ? WHERE name = ?", (name, self.names[0])))
+        said = self.ends(0, "import", "--session", self.session, "--colmap-database", file, "--images", self.shared / "half")
+        self.assertIn(f"lacks {name} (File name too long)", said)
+        self.assertEqual(self.status()["placed"], IMAGES // 2)
+
     def test_descriptors_of_others_are_passed_over(self):
         # ALIKED's, as COLMAP 4 stores them: 128 floats.
         file = self.database(("UPDATE descriptors SET cols = 512, data = zeroblob(rows * 512)",))
@@ -197,7 +223,7 @@ class Exchange(unittest.TestCase):
         for name, other in zip(self.names[::2], self.names[:0:-2]):
             shutil.copy(self.shared / "wall/images" / other, others / name)
         said = self.ends(0, "import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images", others)
-        self.assertIn("hardly shows what the model has of it", said)
+        self.assertIn("hardly show what the model has of them: are they those", said)
         self.session = self.folder / "right"
         said = self.ends(0, "import", "--session", self.session, "--colmap-model", self.shared / "model/0", "--images",
                          self.shared / "half")
@@ -234,6 +260,14 @@ class Exchange(unittest.TestCase):
             self.assertEqual([len(row) for row in photo["covariance"]], [6] * 6)
             # It sees its neighbours on the walk.
             self.assertIn(photo["images"][0]["name"], (self.names[number - 1], self.names[number + 1]))
+
+    def test_a_folder_without_photographs_keeps_no_other_from_being_localised(self):
+        empty = self.folder / "empty"
+        empty.mkdir()
+        found = self.localised(self.shared / "session", empty, self.shared / "wall/images" / self.names[1])
+        self.assertEqual([photo["localised"] for photo in found], [False, True])
+        self.assertIn("holds no photographs", found[0]["reason"])
+        self.ends(BAD_INPUT, "localise", "--session", self.shared / "session", empty)
 
     def test_localising_works_beside_a_writer(self):
         photos = self.photos(self.folder / "photos", self.names[::2])

@@ -76,6 +76,13 @@ class ImportModel : public testing::Test {
         return read_colmap_model(place("again/0"));
     }
 
+    /// Imports a changed model.
+    Outcome imported(const ExportedModel& model) const {
+        EXPECT_TRUE(write_models(std::vector{model}, ExportFormat::kColmap, place("changed")));
+        return run({"import", "--session", place("taken"), "--colmap-model", place("changed/0"),
+                    "--images", photos()});
+    }
+
     test::TemporaryFolder folder_;
     test::DatasetSession session_{folder_.path()};
     ExportedModel model_;
@@ -179,6 +186,49 @@ TEST_F(ImportModel, WhatCannotBeTakenOverLeavesNoSession) {
         run({"import", "--session", place("never"), "--colmap-model", place("given/0")}).exit_code,
         2);
     EXPECT_EQ(run({"import", "--session", place("never")}).exit_code, 2);
+}
+
+TEST_F(ImportModel, ANameThatIsTooLongIsAPhotographLess) {
+    const std::string before = model_.images[0].name;
+    model_.images[0].name = std::string(300, 'a') + ".jpg";
+    fs::remove(session_.photo_folder() / before);
+    const Outcome done = imported(model_);
+    EXPECT_EQ(done.exit_code, 0) << done.errors;
+    EXPECT_NE(done.errors.find("lacks " + model_.images[0].name + " (File name too long)"),
+              std::string::npos)
+        << done.errors;
+}
+
+TEST_F(ImportModel, AnUnreadablePhotographIsTold) {
+    test::put_file(session_.photo_folder() / model_.images[0].name, "no picture");
+    const Outcome done = imported(model_);
+    EXPECT_EQ(done.exit_code, 0) << done.errors;
+    EXPECT_NE(done.output.find("taken over: 9 images"), std::string::npos) << done.output;
+    EXPECT_NE(done.errors.find("psfm: " + model_.images[0].name + ": "), std::string::npos)
+        << done.errors;
+    EXPECT_NE(done.errors.find("without what photographs add"), std::string::npos);
+}
+
+TEST_F(ImportModel, ACameraOfAnotherSizeNamesTheModelToo) {
+    model_.cameras[0].camera.width *= 2;
+    const Outcome done = imported(model_);
+    EXPECT_EQ(done.exit_code, 3) << done.errors;
+    EXPECT_NE(done.errors.find(place("changed/0") + ", camera 4: "), std::string::npos)
+        << done.errors;
+    EXPECT_FALSE(fs::exists(place("taken")));
+}
+
+TEST_F(ImportModel, PointsBehindTheirCamerasAreRefused) {
+    const Eigen::Quaterniond turn(0.0, 0.0, 1.0, 0.0);  // half a turn about y
+    for (ExportedImage& image : model_.images) {
+        image.cam_from_world.rotation = turn * image.cam_from_world.rotation;
+        image.cam_from_world.translation = turn * image.cam_from_world.translation;
+    }
+    const Outcome done = imported(model_);
+    EXPECT_EQ(done.exit_code, 3) << done.errors;
+    EXPECT_NE(done.errors.find("points lie behind their cameras"), std::string::npos)
+        << done.errors;
+    EXPECT_FALSE(fs::exists(place("taken")));
 }
 
 }  // namespace

@@ -7,13 +7,12 @@
 #include <iostream>
 #include <memory>
 
-#include "graph/wording.h"
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/count_line.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/console/shell_word.h"
+#include "tools/commands/exchange/import_checks.h"
 #include "tools/commands/exchange/import_model.h"
 #include "tools/commands/session_options.h"
 
@@ -38,16 +37,6 @@ std::map<std::string, GivenCamera> cameras_of(const ColmapDatabase& database) {
     return cameras;
 }
 
-/// Without matches there is nothing to reconstruct from, however many images there are.
-Result<void> check_matches(const ColmapDatabase& database, const std::string& file) {
-    if (database.images().size() < 2 || database.verified_pairs() > 0) return {};
-    return Error{ErrorCode::kTooFewMatches,
-                 file + " has " + counted(database.images().size(), "image") +
-                     " and no verified matches: its matcher has not run. Run `colmap "
-                     "exhaustive_matcher --database_path " +
-                     shell_word(file) + "`, or `psfm run` on the photographs"};
-}
-
 /// Looks at all that a new session would take, so that none is begun with what cannot be read.
 Result<void> check_contents(const ColmapDatabase& database, const std::string& session) {
     std::error_code ignored;
@@ -62,25 +51,13 @@ Result<void> check_contents(const ColmapDatabase& database, const std::string& s
     return {};
 }
 
-/// Tells which of the database's photographs the folder lacks. @errors kNotFound: all of them
-Result<void> check_photographs(const ColmapDatabase& database, const std::string& folder) {
+Result<void> check_photographs_of(const ColmapDatabase& database, const std::string& folder) {
     if (folder.empty()) return {};
-    std::size_t missing = 0;
-    std::string first;
-    for (const DatabaseImage& image : database.images()) {
-        if (std::filesystem::is_regular_file(std::filesystem::path(folder) / image.name)) continue;
-        if (missing++ == 0) first = image.name;
-    }
-    if (missing == 0) return {};
-    const std::string lacks = folder + " lacks " + first +
-                              (missing > 1 ? " and " + std::to_string(missing - 1) + " more" : "") +
-                              " of the database's " + counted(database.images().size(), "image");
-    if (missing == database.images().size()) {
-        return Error{ErrorCode::kNotFound,
-                     lacks + ": name the folder that COLMAP had as --image_path"};
-    }
-    std::cerr << "psfm: " << lacks << "; their features have no colours\n";
-    return {};
+    ImportedNames images{.whose = "the database's", .names = {}};
+    images.names.reserve(database.images().size());
+    for (const DatabaseImage& image : database.images()) images.names.push_back(image.name);
+    return check_photographs(folder, images, /*all_may_lack=*/false,
+                             "; their features have no colours");
 }
 
 int import(const CLI::App& command, const ImportArguments& arguments) {
@@ -94,9 +71,10 @@ int import(const CLI::App& command, const ImportArguments& arguments) {
     }
     const auto database = ColmapDatabase::open(arguments.database);
     if (!database.ok()) return report_error(database.error(), ErrorOrigin::kOtherInput);
-    for (const auto& checked : {check_matches(**database, arguments.database),
-                                check_photographs(**database, arguments.images),
-                                check_contents(**database, arguments.session.session)}) {
+    for (const auto& checked :
+         {check_matches(**database, arguments.database, "`psfm run` on the photographs"),
+          check_photographs_of(**database, arguments.images),
+          check_contents(**database, arguments.session.session)}) {
         if (!checked.ok()) return report_error(checked.error(), ErrorOrigin::kOtherInput);
     }
     auto config = config_from(arguments.session, [&] {
@@ -105,11 +83,13 @@ int import(const CLI::App& command, const ImportArguments& arguments) {
         return Result<std::vector<std::string>>(std::move(names));
     });
     if (!config.ok()) return report_error(config.error(), ErrorOrigin::kOtherInput);
-    config->colmap_database =
-        std::filesystem::absolute(arguments.database).lexically_normal().string();
+    const auto file = absolute_path(arguments.database);
+    if (!file.ok()) return report_error(file.error(), ErrorOrigin::kOtherInput);
+    config->colmap_database = file->string();
     if (!arguments.images.empty()) {
-        config->database_photos =
-            std::filesystem::absolute(arguments.images).lexically_normal().string();
+        const auto folder = absolute_path(arguments.images);
+        if (!folder.ok()) return report_error(folder.error(), ErrorOrigin::kOtherInput);
+        config->database_photos = folder->string();
     }
     config->given_cameras = cameras_of(**database);
     return start_session(command, arguments.session, arguments.database, *std::move(config), false);

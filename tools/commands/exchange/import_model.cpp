@@ -2,14 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/exchange/import_model.h"
 
-#include <unistd.h>
-
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <cerrno>
-#include <charconv>
-#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -23,16 +18,14 @@
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
+#include "tools/commands/exchange/import_checks.h"
+#include "tools/commands/exchange/session_place.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path absolute(const std::string& path) {
-    return fs::absolute(path).lexically_normal();
-}
 
 /// A model of poses alone has an empty file of points; without one it is not whole.
 Result<void> check_points_are_there(const fs::path& folder) {
@@ -42,6 +35,25 @@ Result<void> check_points_are_there(const fs::path& folder) {
     }
     return Error{ErrorCode::kNotFound,
                  folder.string() + " has no points3D.bin or points3D.txt: copy the whole model"};
+}
+
+/// Poses that are written the other way round put points behind their cameras.
+Result<void> check_depths(const ExportedModel& model, const fs::path& folder) {
+    std::size_t observations = 0;
+    std::size_t behind = 0;
+    for (const ExportedPoint& point : model.points) {
+        for (const ExportedObservation& seen : point.track) {
+            const Rigid3& pose = model.find_image(seen.image_id)->cam_from_world;
+            ++observations;
+            behind += (pose * point.position).z() <= 0.0 ? 1 : 0;
+        }
+    }
+    if (2 * behind <= observations) return {};
+    return Error{ErrorCode::kInvalidArgument,
+                 folder.string() + ": points lie behind their cameras, by " +
+                     std::to_string(behind) + " of " + counted(observations, "observation") +
+                     "; write the model with poses that lead from the world into the camera, as "
+                     "COLMAP does"};
 }
 
 void tell_of_spare_cameras(const ExportedModel& model) {
@@ -85,85 +97,43 @@ Result<ForeignModel> read_model(const ModelImportArguments& arguments,
         return Error{ErrorCode::kDamaged,
                      folders->front().string() + " has two images named " + image.name};
     }
+    if (auto checked = check_depths(*model, folders->front()); !checked.ok())
+        return checked.error();
     tell_of_spare_cameras(*model);
-    return ForeignModel{*std::move(model), database, absolute(arguments.images)};
+    auto photographs = absolute_path(arguments.images);
+    if (!photographs.ok()) return photographs.error();
+    return ForeignModel{*std::move(model), database, *std::move(photographs), folders->front()};
 }
 
-/// Tells of photographs that the folder has not. @errors kNotFound: all of them
-Result<void> check_photographs(const ForeignModel& foreign) {
-    std::size_t missing = 0;
-    std::string first;
-    for (const ExportedImage& image : foreign.model.images) {
-        if (fs::is_regular_file(foreign.photo_folder / image.name)) continue;
-        if (missing++ == 0) first = image.name;
-    }
-    if (missing == 0) return {};
-    const std::string lacks = foreign.photo_folder.string() + " lacks " + first +
-                              (missing > 1 ? " and " + std::to_string(missing - 1) + " more" : "") +
-                              " of the model's " + counted(foreign.model.images.size(), "image");
-    if (missing == foreign.model.images.size() && foreign.database == nullptr) {
-        return Error{ErrorCode::kNotFound, lacks +
-                                               ": name the folder that COLMAP had as "
-                                               "--image_path"};
-    }
-    std::cerr << "psfm: " << lacks << '\n';
-    return {};
-}
-
-constexpr std::string_view kImporting = ".importing-";  // Format: between folder and process
-
-/// Removes what imports into this place have left that were killed.
-void remove_abandoned(const fs::path& place) {
-    const std::string begins = place.filename().string() + std::string(kImporting);
-    std::error_code failure;
-    const fs::path folder = place.has_parent_path() ? place.parent_path() : fs::path(".");
-    for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
-         entry.increment(failure)) {
-        const std::string name = entry->path().filename().string();
-        if (!name.starts_with(begins)) continue;
-        pid_t process = 0;
-        const char* last = name.data() + name.size();
-        const auto read = std::from_chars(name.data() + begins.size(), last, process);
-        const bool is_ours = read.ec == std::errc() && read.ptr == last && process > 0;
-        std::error_code ignored;
-        if (is_ours && kill(process, 0) != 0 && errno == ESRCH)
-            fs::remove_all(entry->path(), ignored);
-    }
+std::optional<Failure> fill_session(const SessionArguments& session, const SessionPlace& place,
+                                    const ForeignModel& foreign, SessionConfig config,
+                                    BegunSession& begun) {
+    StoreOptions options;
+    options.cache_bytes = session.cache_mib << 20U;
+    auto store = SessionStore::open(place.beside(), options);
+    if (!store.ok()) return of_session(store.error());
+    auto kept = (*store)->put_settings({foreign.photo_folder.string(), encode_config(config)});
+    if (!kept.ok()) return of_session(kept.error());
+    CountLine line(" images of the model taken over", foreign.model.images.size());
+    auto made = begin_from_model(**store, foreign, config, [&] { line.advance(); });
+    if (!made.ok()) return Failure{made.error()};
+    begun = *std::move(made);
+    config.repeated_observations = begun.repeated_observations;
+    kept = (*store)->put_settings({foreign.photo_folder.string(), encode_config(config)});
+    if (!kept.ok()) return of_session(kept.error());
+    return std::nullopt;
 }
 
 /// Makes the session beside its place, and moves it there.
-std::optional<Failure> make_session(const SessionArguments& session, const ForeignModel& foreign,
-                                    SessionConfig config, BegunSession& begun) {
-    const fs::path place = session.session;
-    remove_abandoned(place);
-    const fs::path beside = place.string() + std::string(kImporting) + std::to_string(getpid());
-    std::error_code failure;
-    {
-        StoreOptions options;
-        options.cache_bytes = session.cache_mib << 20U;
-        auto store = SessionStore::open(beside, options);
-        if (!store.ok()) return Failure{store.error(), ErrorOrigin::kSession};
-        auto kept = (*store)->put_settings({foreign.photo_folder.string(), encode_config(config)});
-        if (!kept.ok()) return Failure{kept.error(), ErrorOrigin::kSession};
-        CountLine line(" images of the model taken over", foreign.model.images.size());
-        auto made = begin_from_model(**store, foreign, config, [&] { line.advance(); });
-        if (!made.ok()) {
-            store->reset();
-            fs::remove_all(beside, failure);
-            return Failure{made.error()};
-        }
-        begun = *std::move(made);
-        config.repeated_observations = begun.repeated_observations;
-        kept = (*store)->put_settings({foreign.photo_folder.string(), encode_config(config)});
-        if (!kept.ok()) return Failure{kept.error(), ErrorOrigin::kSession};
+std::optional<Failure> make_session(const SessionArguments& session, const SessionPlace& place,
+                                    const ForeignModel& foreign, const SessionConfig& config,
+                                    BegunSession& begun) {
+    if (auto failure = fill_session(session, place, foreign, config, begun)) {
+        place.abandon();
+        return failure;
     }
-    fs::remove(place, failure);  // an empty folder
-    fs::rename(beside, place, failure);
-    if (!failure) return std::nullopt;
-    const std::string reason = failure.message();
-    fs::remove_all(beside, failure);
-    return Failure{{ErrorCode::kIo, place.string() + " cannot be made: " + reason +
-                                        "; choose another session folder"}};
+    if (const auto moved = place.move_there(); !moved.ok()) return Failure{moved.error()};
+    return std::nullopt;
 }
 
 void print_begun(const BegunSession& begun) {
@@ -171,21 +141,47 @@ void print_begun(const BegunSession& begun) {
               << " points, " << begun.pairs << " verified pairs, in "
               << counted(begun.clusters, "cluster") << '\n'
               << std::flush;
+    if (!begun.unread.empty()) {
+        std::cerr << "psfm: " << begun.unread.front();
+        if (begun.unread.size() > 1)
+            std::cerr << "; and " << begun.unread.size() - 1 << " more that cannot be read";
+        std::cerr << ": taken over without what photographs add\n";
+    }
     if (!begun.unlike.empty()) {
+        const bool is_one = begun.unlike.size() == 1;
         std::cerr << "psfm: " << counted(begun.unlike.size(), "photograph") << " ("
-                  << begun.unlike.front() << (begun.unlike.size() > 1 ? ", …" : "")
-                  << ") hardly shows what the model has of it: is it the one that the model was "
-                     "made from?\n";
+                  << begun.unlike.front() << (is_one ? "" : ", …") << ") hardly "
+                  << (is_one ? "shows" : "show") << " what the model has of "
+                  << (is_one ? "it: is it the one" : "them: are they those")
+                  << " that the model was made from?\n";
     }
     if (begun.without_descriptors.empty()) return;
     std::cerr << "psfm: " << counted(begun.without_descriptors.size(), "image") << " of the model ("
               << begun.without_descriptors.front()
               << (begun.without_descriptors.size() > 1 ? ", …" : "")
-              << ") have neither photograph nor descriptors: nothing new can be joined to them\n";
+              << (begun.without_descriptors.size() > 1 ? ") have" : ") has")
+              << " neither photograph nor descriptors: nothing new can be joined to them\n";
 }
 
-std::optional<Failure> begin(const SessionArguments& session, const ModelImportArguments& arguments,
-                             SessionConfig config) {
+/// Looks at what the model is to have come from, before anything is made.
+Result<void> check_sources(const ForeignModel& foreign, const ModelImportArguments& arguments) {
+    ImportedNames images{.whose = "the model's", .names = {}};
+    images.names.reserve(foreign.model.images.size());
+    for (const ExportedImage& image : foreign.model.images) images.names.push_back(image.name);
+    const ColmapDatabase* database = foreign.database;
+    if (database != nullptr) {
+        for (const auto& checked :
+             {check_matches(*database, arguments.database, "leave --colmap-database out"),
+              check_same_images(*database, arguments.database, images)}) {
+            if (!checked.ok()) return checked.error();
+        }
+    }
+    return check_photographs(foreign.photo_folder, images, /*all_may_lack=*/database != nullptr,
+                             "");
+}
+
+std::optional<Failure> begin(const SessionArguments& session, const SessionPlace& place,
+                             const ModelImportArguments& arguments, SessionConfig config) {
     std::unique_ptr<ColmapDatabase> database;
     if (!arguments.database.empty()) {
         auto opened = ColmapDatabase::open(arguments.database);
@@ -194,20 +190,16 @@ std::optional<Failure> begin(const SessionArguments& session, const ModelImportA
     }
     const auto foreign = read_model(arguments, database.get());
     if (!foreign.ok()) return Failure{foreign.error()};
-    if (auto checked = check_photographs(*foreign); !checked.ok()) return Failure{checked.error()};
+    if (auto checked = check_sources(*foreign, arguments); !checked.ok())
+        return Failure{checked.error()};
     remember_model(foreign->model, config);
     config.keep_world = true;
     config.order.clear();  // of what comes after
     const ThreadBudget budget(session.threads);
     BegunSession begun;
-    if (auto failure = make_session(session, *foreign, config, begun)) return failure;
+    if (auto failure = make_session(session, place, *foreign, config, begun)) return failure;
     print_begun(begun);
     return std::nullopt;
-}
-
-bool is_session(const std::string& folder) {
-    std::error_code ignored;
-    return fs::exists(folder, ignored) && !fs::is_empty(folder, ignored);
 }
 
 /// A session that is there goes on as it began: with a model that it was made from.
@@ -265,8 +257,10 @@ int import_model(const CLI::App& command, const SessionArguments& session,
     };
     auto config = config_from(session, names);
     if (!config.ok()) return report_error(config.error(), ErrorOrigin::kOtherInput);
-    if (!is_session(session.session)) {
-        if (const auto failure = begin(session, arguments, *config))
+    const auto place = SessionPlace::find(session.session);
+    if (!place.ok()) return report_error(place.error());
+    if (!place->is_taken()) {
+        if (const auto failure = begin(session, *place, arguments, *config))
             return report_error(failure->error, failure->origin);
     } else if (const auto checked = check_session(session.session, arguments); !checked.ok()) {
         return report_error(checked.error(), ErrorOrigin::kOtherInput);
