@@ -162,6 +162,11 @@ TEST_F(ExportAgain, PhotographsOfEarlierFoldersAreFound) {
     EXPECT_EQ(exit_code_, 0);
     for (const char* name : {"drawn.png", "five.jpg"})
         EXPECT_TRUE(fs::exists(place("data/0/images") / name)) << name;
+    // One link leads to one of the folders.
+    const std::string said = export_to(place("linked"), "nerfstudio");
+    EXPECT_NE(said.find("photographs are not in " + place("second card").string()),
+              std::string::npos)
+        << said;
 }
 
 TEST_F(ExportAgain, WhatOthersPutAmongPicturesIsNamed) {

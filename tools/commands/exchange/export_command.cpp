@@ -68,6 +68,24 @@ void print_summary(const std::vector<ExportedModel>& models, ExportFormat format
     std::cout << std::flush;
 }
 
+/// Of a link to one folder, photographs that are not in it are missing.
+void tell_photographs_elsewhere(const std::vector<ExportedModel>& models,
+                                const std::filesystem::path& folder) {
+    std::size_t elsewhere = 0;
+    for (const ExportedModel& model : models) {
+        elsewhere += static_cast<std::size_t>(
+            std::ranges::count_if(model.images, [&](const ExportedImage& image) {
+                std::error_code ignored;
+                return !std::filesystem::exists(folder / image.name, ignored);
+            }));
+    }
+    if (elsewhere == 0) return;
+    std::cerr << "psfm: " << counted(elsewhere, "photograph") << (elsewhere == 1 ? " is" : " are")
+              << " not in " << folder.string()
+              << ", the folder of the last run, which `images` leads to; `--format dataset` has "
+                 "those of all folders\n";
+}
+
 int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (arguments.points_only && arguments.format != "ply") {
         std::cerr << "psfm: --points-only goes with --format ply only\n";
@@ -151,6 +169,8 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
         std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;
     if (const std::string trouble = position_trouble(reference, *models, known); !trouble.empty())
         std::cerr << "psfm: " << trouble << '\n';
+    if (*format == ExportFormat::kNerfstudio)
+        tell_photographs_elsewhere(*models, settings->photo_folder);
     return 0;
 }
 
@@ -200,10 +220,8 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "                       for `colmap mapper` and its friends\n"
         "Where photographs have GPS positions, OUTPUT/geo.txt tells where on the earth models "
         "stand.\n"
-        "An earlier export in the same folder is replaced as a whole, of whatever format it is; "
-        "other "
-        "files\n"
-        "there are left alone, and nothing is written through links.\n"
+        "An earlier export in the same folder is replaced as a whole, of whatever format it is;\n"
+        "other files there are left alone, and nothing is written through links.\n"
         "\n"
         "Examples:\n"
         "  psfm export --session my-session --format colmap --output exported\n"
