@@ -7,9 +7,13 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <opencv2/core/utils/logger.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tools/commands/commands.h"
 
@@ -33,6 +37,15 @@ namespace {
 constexpr int kUsageError = 2;
 constexpr int kUnexpectedError = 1;
 
+/// "help COMMAND" is "COMMAND --help".
+std::vector<std::string> words_of(int argc, char** argv) {
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (words.empty() || words.front() != "help") return words;
+    words.erase(words.begin());
+    words.emplace_back("--help");
+    return words;
+}
+
 int run(int argc, char** argv) {
     CLI::App app{
         "psfm: progressive Structure from Motion. Photographs in, camera poses and a sparse model "
@@ -43,6 +56,7 @@ int run(int argc, char** argv) {
         "  psfm run PHOTOS --session DIR\n"
         "  psfm status --session DIR\n"
         "  psfm export --session DIR --format colmap --output MODEL\n"
+        "psfm help COMMAND tells what a command does, and its options.\n"
         "Exit codes: 0 done, 2 usage, 3 bad input, 4 session damaged, 1 anything else.");
     app.set_version_flag("--version", PSFM_VERSION PSFM_COMMIT);
     app.require_subcommand(1);
@@ -66,13 +80,20 @@ int run(int argc, char** argv) {
     psfm::add_vocabulary_command(app, exit_code);
     psfm::add_simulate_command(app, exit_code);
     psfm::add_doctor_command(app, exit_code);
-    const auto is_asked = [&](const CLI::App* command) { return command->check_name(argv[1]); };
-    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_asked).empty()) {
-        std::cerr << "psfm: there is no command '" << argv[1] << "'; psfm --help lists them\n";
+    std::vector<std::string> words = words_of(argc, argv);
+    const auto is_asked = [&](const CLI::App* command) {
+        return command->check_name(words.front());
+    };
+    if (!words.empty() && !words.front().starts_with('-') &&
+        app.get_subcommands(is_asked).empty()) {
+        std::cerr << "psfm: there is no command '" << words.front()
+                  << "'; psfm --help lists them\n";
         return kUsageError;
     }
     try {
-        app.parse(argc, argv);
+        app.name(argv[0]);
+        std::reverse(words.begin(), words.end());  // as CLI11 takes them
+        app.parse(std::move(words));
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : kUsageError;
     }

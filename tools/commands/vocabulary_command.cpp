@@ -184,6 +184,7 @@ void add_vocabulary_command(CLI::App& app, int& exit_code) {
     CLI::App* vocabulary =
         app.add_subcommand("vocabulary", "Make vocabularies of visual words, for large sessions");
     vocabulary->require_subcommand(1);
+    vocabulary->footer("psfm vocabulary train --help tells its options.");
     CLI::App* train =
         vocabulary->add_subcommand("train", "Train a vocabulary from a folder of photographs");
     const auto arguments = std::make_shared<TrainArguments>();
