@@ -65,9 +65,14 @@ urgency=medium
 endif()
 # The server as a service: its unit, and the user that it runs as (tools/package/postinst).
 install(FILES "${PROJECT_SOURCE_DIR}/tools/package/psfm.service" DESTINATION lib/systemd/system COMPONENT program)
-install(FILES "${PROJECT_SOURCE_DIR}/README.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program
-        FILES_MATCHING PATTERN "*.md" PATTERN "experiments" EXCLUDE PATTERN "performance" EXCLUDE)
+# Documents, at the places that they link to each other by (tests/house/documents_test.py).
+install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+foreach(document IN ITEMS storage/FORMAT.md stages/retrieval/VOCABULARY_FORMAT.md)
+  get_filename_component(folder "${document}" DIRECTORY)
+  install(FILES "${PROJECT_SOURCE_DIR}/${document}" DESTINATION "${CMAKE_INSTALL_DOCDIR}/${folder}" COMPONENT program)
+endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME psfm)
