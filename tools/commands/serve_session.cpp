@@ -16,6 +16,7 @@
 #include "scheduler/session/option_table.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
+#include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/session_runner.h"
 #include "tools/serve/api.h"
@@ -140,6 +141,22 @@ std::string start_of_events() {
     return std::to_string(std::time(nullptr));
 }
 
+/// What to type to serve a session as this request does.
+std::string same_again(const ServeRequest& request) {
+    const ServeRequest usual;
+    std::string words = command_line("serve", request.session);
+    const auto add = [&](const char* option, const std::string& value) {
+        words.append(" ").append(option).append(" ").append(shell_word(value));
+    };
+    add("--listen", request.listen);
+    for (const std::string& host : request.hosts) add("--host", host);
+    if (request.threads != usual.threads) add("--threads", std::to_string(request.threads));
+    if (!request.log.empty()) add("--log", request.log);
+    if (request.quota_mib != usual.quota_mib) add("--quota", std::to_string(request.quota_mib));
+    if (request.free_mib != usual.free_mib) add("--keep-free", std::to_string(request.free_mib));
+    return words;
+}
+
 }  // namespace
 
 int serve_session(const ServeRequest& request) {
@@ -212,7 +229,7 @@ int serve_session(const ServeRequest& request) {
     if (!run.ok()) return report_error(run.error());
     for (const std::string& remark : run->remarks) std::cerr << "psfm: " << remark << '\n';
     std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
-              << command_line("serve", request.session) << " --listen " << request.listen << '\n';
+              << same_again(request) << '\n';
     return 0;
 }
 

@@ -346,6 +346,13 @@ class Api(unittest.TestCase):
         self.assertEqual(code, 3)
         self.assertIn("--add-user", err)
 
+    def test_what_to_go_on_with_has_all_that_was_asked_for(self):
+        server = self.serve("--host", "photos.example.org", "--host", "a b", "--quota", "5")
+        self.assertEqual(server.stop(), 0)
+        self.assertIn("--listen 127.0.0.1:0 --host photos.example.org --host 'a b' --quota 5 --keep-free 1\n", server.errors)
+        self.serve().stop()
+        self.assertNotIn("--host", self.server.errors)
+
     def test_view_is_for_looking(self):
         self.serve_finished().stop()
         if "built without pages" in psfm("view", "--session", self.session, "--output", self.shared / "model.html")[2]:

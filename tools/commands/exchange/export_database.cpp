@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "graph/wording.h"
 #include "storage/exchange/database/colmap_database.h"
 #include "storage/exchange/models/previous_export.h"
 #include "storage/session/session_store.h"
@@ -120,10 +121,11 @@ int export_database(const std::string& session, const std::filesystem::path& fol
     if (const auto failure = write_database(**reader, contents, file, totals)) {
         return report_error(failure->error, failure->origin);
     }
-    std::cout << file.string() << ": " << contents.images.size() << " images of "
-              << contents.cameras.size() << " cameras, " << totals.features << " features, "
-              << totals.pairs << " verified pairs, " << totals.matches << " matches\n"
-              << std::flush;
+    std::cout << file.string() << ": " << counted(contents.images.size(), "image") << " of "
+              << counted(contents.cameras.size(), "camera") << ", "
+              << counted(totals.features, "feature") << ", "
+              << counted(totals.pairs, "verified pair") << ", " << totals.matches
+              << (totals.matches == 1 ? " match\n" : " matches\n") << std::flush;
     return 0;
 }
 

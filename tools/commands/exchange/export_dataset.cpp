@@ -166,7 +166,8 @@ class DatasetExport {
             if (++shown <= kShown) std::cerr << "left out " << reason << '\n';
         }
         if (left_out_.size() > kShown) {
-            std::cerr << "left out " << left_out_.size() - kShown << " more photographs\n";
+            std::cerr << "left out " << counted(left_out_.size() - kShown, "more photograph")
+                      << '\n';
         }
         if (!trouble_.empty()) std::cerr << "psfm: " << trouble_ << '\n';
         for (const std::string& line : summary_) std::cout << line << '\n';

@@ -99,7 +99,7 @@ int import(const CLI::App& command, const ImportArguments& arguments) {
 
 void add_import_command(CLI::App& app, int& exit_code) {
     CLI::App* command = app.add_subcommand(
-        "import", "Reconstruct from another program's features and verified matches");
+        "import", "Begin from another program's model, or from its features and verified matches");
     auto arguments = std::make_shared<ImportArguments>();
     command
         ->add_option("--colmap-database", arguments->database,
