@@ -19,6 +19,12 @@ function validator() {
     }
 }
 
+/** Targets of CMake whose program is not there. */
+function not_built(build) {
+    const programs = { psfm: 'psfm', psfm_render_scene: 'tests/synthetic/psfm-render-scene' };
+    return Object.keys(programs).filter((target) => !fs.existsSync(path.join(build, programs[target])));
+}
+
 /** A session of a few photographs of a wall, and its glTF. */
 function exported(build, folder) {
     const psfm = path.join(build, 'psfm');
@@ -49,6 +55,12 @@ async function judge(file) {
 async function main() {
     const [build, ...given] = process.argv.slice(2);
     validator();
+    const missing = given.length > 0 ? [] : not_built(path.resolve(build));
+    if (missing.length > 0) {
+        console.error(`not built: ${missing.join(', ')}; cmake --build ${build} --target ${missing.join(' ')}`);
+        process.exitCode = 1;
+        return;
+    }
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'psfm-gltf-'));
     try {
         const files = given.length > 0 ? given : exported(path.resolve(build), folder);
