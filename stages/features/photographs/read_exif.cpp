@@ -133,6 +133,12 @@ std::optional<GpsPosition> gps_position(const Exiv2::ExifData& data) {
     return position;
 }
 
+bool tells_degrees(const Exiv2::ExifData& data) {
+    const auto latitude = number(data, "Exif.GPSInfo.GPSLatitude", 0);
+    const auto longitude = number(data, "Exif.GPSInfo.GPSLongitude", 0);
+    return latitude && longitude && (*latitude != 0.0 || *longitude != 0.0);
+}
+
 ExifTags collect_tags(const Exiv2::ExifData& data) {
     ExifTags tags;
     tags.make = text(data, "Exif.Image.Make");
@@ -148,6 +154,7 @@ ExifTags collect_tags(const Exiv2::ExifData& data) {
     tags.original_width = positive(data, "Exif.Photo.PixelXDimension");
     tags.original_height = positive(data, "Exif.Photo.PixelYDimension");
     tags.gps = gps_position(data);
+    tags.has_impossible_position = !tags.gps && tells_degrees(data);
     return tags;
 }
 

@@ -28,6 +28,9 @@ struct ExifTags {
     std::optional<double> original_width;
     std::optional<double> original_height;
     std::optional<GpsPosition> gps;  ///< nothing for (0, 0), which cameras without a fix write
+    /// There are degrees of latitude and longitude, not (0, 0), that are no place on the earth, or
+    /// lack their hemispheres.
+    bool has_impossible_position = false;
 };
 
 /// Reads a TIFF structure as found in EXIF. Never fails: damaged data give what could be read, or

@@ -92,6 +92,11 @@ Result<DecodedPhoto> read_photo(const PhotoFile& photo, const ReadPhotoOptions& 
         result.mask = pixels->mask;
         result.exif = read_exif(container.exif);
     }
+    if (result.exif.has_impossible_position) {
+        result.remarks.push_back(printable(photo.name) +
+                                 ": its GPS position is no place on the earth, and is not used; "
+                                 "mend its EXIF, or remove it");
+    }
     // Again: not every header told the size.
     const PhotoSize size{static_cast<std::uint64_t>(result.colour.cols),
                          static_cast<std::uint64_t>(result.colour.rows)};

@@ -29,7 +29,7 @@ struct DecodedPhoto {
 };
 
 /// Reads, checks, hashes and decodes one photograph. A JPEG that lacks only its end marker is read,
-/// with a remark.
+/// with a remark; one is made, too, of a position that is no place on the earth.
 /// @errors kIo: cannot be read; kUnreadable: is no image, is truncated or damaged, is smaller or
 ///         larger than the options allow; one line that names the photograph and the remedy
 /// Thread-safe.

@@ -146,6 +146,7 @@ TEST(ReadExifTest, ImpossibleValuesAreAbsent) {
     EXPECT_FALSE(tags.focal_plane_x_per_mm);
     EXPECT_FALSE(tags.original_width);
     EXPECT_FALSE(tags.gps);
+    EXPECT_TRUE(tags.has_impossible_position);
 }
 
 TEST(ReadExifTest, DigitalZoom) {
@@ -169,8 +170,12 @@ TEST(ReadExifTest, NoFixAndNoHemisphereAreNoPosition) {
     set(data, "Exif.GPSInfo.GPSLatitudeRef", Exiv2::asciiString, "N");
     set(data, "Exif.GPSInfo.GPSLongitudeRef", Exiv2::asciiString, "E");
     EXPECT_FALSE(read_exif(encode_exif(data)).gps);
+    EXPECT_FALSE(read_exif(encode_exif(data)).has_impossible_position) << "no fix";
     data["Exif.GPSInfo.GPSLatitude"] = Exiv2::URational(1, 1);
     EXPECT_TRUE(read_exif(encode_exif(data)).gps);
+    EXPECT_FALSE(read_exif(encode_exif(data)).has_impossible_position);
+    data["Exif.GPSInfo.GPSLatitudeRef"] = "?";
+    EXPECT_TRUE(read_exif(encode_exif(data)).has_impossible_position);
 }
 
 TEST(ReadExifTest, SurvivesAnyDamage) {

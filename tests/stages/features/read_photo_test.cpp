@@ -245,6 +245,20 @@ TEST_F(ReadPhotoTest, ReadsTheFirstPictureOfAnMpoFile) {
     EXPECT_EQ(cv::norm(photo->colour, first->colour, cv::NORM_INF), 0.0);
 }
 
+TEST_F(ReadPhotoTest, APositionThatIsNoPlaceIsTold) {
+    Exiv2::ExifData data;
+    data["Exif.GPSInfo.GPSLatitudeRef"] = "N";
+    data["Exif.GPSInfo.GPSLatitude"] = Exiv2::URational(97, 1);
+    data["Exif.GPSInfo.GPSLongitudeRef"] = "E";
+    data["Exif.GPSInfo.GPSLongitude"] = Exiv2::URational(10, 1);
+    const Bytes plain = encode(textured_image(200, 150, 1), ".jpg");
+    const auto photo =
+        read_photo(folder_.write("north.jpg", psfm::testing::with_exif(plain, data)), {});
+    ASSERT_TRUE(photo) << photo.error().message;
+    ASSERT_EQ(photo->remarks.size(), 1U);
+    EXPECT_THAT(photo->remarks[0], AllOf(StartsWith("north.jpg: "), HasSubstr("no place on")));
+}
+
 TEST_F(ReadPhotoTest, TransparencyIsAMask) {
     for (const char* extension : {".png", ".webp", ".tiff"}) {
         cv::Mat picture;
