@@ -142,6 +142,19 @@ TEST_F(PlaceComponents, WhatComesBackStandsWhereTheModelHadItThatASessionBeganWi
     for (std::size_t k = 0; k < 20; ++k) EXPECT_LT((placed(again, k) - centre(k)).norm(), 1e-6);
 }
 
+TEST_F(PlaceComponents, ALargerPartThatJoinsComesIntoTheWorldThatTheSessionBeganWith) {
+    MergeProblem problem = apart();
+    problem.anchors = {{ImageId{5}, cut.scene.images[5].cam_from_world},
+                       {ImageId{9}, cut.scene.images[9].cam_from_world}};
+    MergeProblem joined = cut.problem();
+    joined.previous = test::publish(problem, merged(problem));
+    EXPECT_GT((placed(merged(joined), 0) - centre(0)).norm(), 0.1) << "22 cameras outvote 20";
+    joined.anchors = problem.anchors;
+    const MergeResult result = merged(joined);
+    EXPECT_EQ(result.effective_clusters, 1U);
+    for (std::size_t k = 0; k < 42; ++k) EXPECT_LT((placed(result, k) - centre(k)).norm(), 0.05);
+}
+
 TEST_F(PlaceComponents, WithoutPositionsNothingChanges) {
     const MergeResult plain = merged(apart());
     MergeProblem problem = apart();
