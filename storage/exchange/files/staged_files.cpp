@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <ranges>
 
 #include "storage/exchange/files/link_on_the_way.h"
 
@@ -41,9 +40,9 @@ StagedFiles::~StagedFiles() {
 /// The last one made first. Only empty ones go: removal of others fails.
 void StagedFiles::remove_made_folders(const std::filesystem::path& within) {
     std::error_code ignored;
-    for (const auto& folder : std::views::reverse(made_folders_)) {
-        if (std::ranges::mismatch(within, folder).in1 == within.end())
-            std::filesystem::remove(folder, ignored);
+    for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
+        if (std::ranges::mismatch(within, *folder).in1 == within.end())
+            std::filesystem::remove(*folder, ignored);
     }
 }
 

@@ -3,7 +3,6 @@
 #include "storage/exchange/models/previous_export.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include "storage/exchange/files/text_input.h"
 
@@ -113,11 +112,11 @@ void PreviousExport::keep(const fs::path& folder) {
 
 std::vector<fs::path> PreviousExport::outdated() const {
     std::vector<fs::path> gone;
-    for (const std::string& name : std::views::reverse(paths_)) {
-        const fs::path path = folder_ / name;
+    for (auto name = paths_.rbegin(); name != paths_.rend(); ++name) {
+        const fs::path path = folder_ / *name;
         const bool kept =
             std::ranges::any_of(kept_, [&](const fs::path& folder) { return is_in(path, folder); });
-        if (!kept && !claimed_.contains(name)) gone.push_back(path);
+        if (!kept && !claimed_.contains(*name)) gone.push_back(path);
     }
     return gone;
 }
