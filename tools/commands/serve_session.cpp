@@ -14,6 +14,7 @@
 
 #include "scheduler/report/event_log.h"
 #include "scheduler/session/option_table.h"
+#include "tools/commands/console/interrupts.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
@@ -29,20 +30,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::atomic<bool> stop_serving{false};  // NOLINT: what a signal handler may touch has to be global
-
-extern "C" void on_stop(int /*signal*/) {
-    stop_serving = true;
-}
-
-void catch_stop() {
-    struct sigaction action {};
-    action.sa_handler = on_stop;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+/// @return catch_interrupts()
+const std::atomic<bool>& catch_stop() {
     struct sigaction ignore {};
     ignore.sa_handler = SIG_IGN;  // a client that went away is an error of write
     sigaction(SIGPIPE, &ignore, nullptr);
+    return catch_interrupts();
 }
 
 struct Address {
@@ -197,7 +190,7 @@ int serve_session(const ServeRequest& request) {
         log = *std::move(opened);
     }
 
-    catch_stop();
+    const std::atomic<bool>& stop_serving = catch_stop();
     served.events = std::make_unique<EventRing>(start_of_events());
     served.live =
         std::make_unique<LiveSession>(*served.store, *served.events, served.uploads.get(),
@@ -245,7 +238,7 @@ int view_session(const std::string& session, const std::string& listen_on) {
             {ErrorCode::kInvalidArgument, "view is for this machine alone; psfm serve has users"},
             ErrorOrigin::kOtherInput);
     }
-    catch_stop();
+    const std::atomic<bool>& stop_serving = catch_stop();
     EventRing events(start_of_events());
     LiveSession live(**reader, events, nullptr, nullptr, name_of_session(session));
     Api api({reader->get(), &live, nullptr, nullptr, session,

@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/commands/session_runner.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <iostream>
 #include <map>
 #include <set>
@@ -14,6 +11,7 @@
 #include "graph/wording.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "storage/exchange/database/colmap_database.h"
+#include "tools/commands/console/interrupts.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
@@ -24,25 +22,6 @@
 
 namespace psfm {
 namespace {
-
-std::atomic<bool> stop_requested{
-    false};  // NOLINT: what a signal handler may touch has to be global
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-extern "C" void on_interrupt(int signal) {
-    if (stop_requested.exchange(true)) {
-        // A second Ctrl-C: every commit is atomic, so leaving at once loses nothing that was
-        // acknowledged.
-        _exit(128 + signal);
-    }
-}
-
-void catch_interrupts() {
-    struct sigaction action {};
-    action.sa_handler = on_interrupt;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-}
 
 void print_summary(const SessionRun& run, const RunRequest& request) {
     const SessionCounts& counts = run.counts;
@@ -169,7 +148,7 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
             return report_error(stored.error());
     }
     const ThreadBudget budget(request.execution.threads);
-    catch_interrupts();
+    const std::atomic<bool>& stop_requested = catch_interrupts();
     Result<SessionRun> run = SessionRun{};
     bool log_failed = false;
     {

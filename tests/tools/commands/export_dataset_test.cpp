@@ -6,6 +6,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <csignal>
 #include <cstdlib>
 #include <map>
 #include <opencv2/core.hpp>
@@ -17,6 +18,7 @@
 #include "tests/tools/commands/dataset_session.h"
 #include "tests/tools/commands/trainer_rules.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/console/interrupts.h"
 
 namespace psfm {
 namespace {
@@ -211,6 +213,9 @@ TEST_F(ExportDataset, MasksGoWherePicturesGo) {
     const auto others = export_to("data", {"--mask-folder", place("others").string()});
     EXPECT_NE(others.errors.find("MASKS WITHOUT A PHOTOGRAPH"), std::string::npos) << others.errors;
     EXPECT_NE(others.errors.find("no photograph has a mask"), std::string::npos) << others.errors;
+    // That of the photographs has none either.
+    const auto own = export_to("data", {"--mask-folder", session_.photo_folder().string()});
+    EXPECT_NE(own.errors.find("no photograph has a mask"), std::string::npos) << own.errors;
     // Without them they go.
     ASSERT_EQ(export_to("data").exit_code, 0);
     EXPECT_FALSE(fs::exists(place("data/0/masks/six.png")));
@@ -336,6 +341,34 @@ TEST_F(ExportDataset, LeftoversOfAKilledExportGo) {
     test::put_file(place("data/.psfm-partial/0/images/five.jpg"), "half");
     ASSERT_EQ(export_to("data").exit_code, 0);
     EXPECT_FALSE(fs::exists(place("data/.psfm-partial")));
+}
+
+TEST_F(ExportDataset, StoppedItLeavesNothing) {
+    const auto stopped = [&] {
+        catch_interrupts();
+        std::raise(SIGINT);
+        std::exit(export_to("data").exit_code);
+    };
+    testing::GTEST_FLAG(death_test_style) = "threadsafe";
+    EXPECT_EXIT(stopped(), testing::ExitedWithCode(1), "");
+    EXPECT_FALSE(fs::exists(place("data")));
+}
+
+TEST_F(ExportDataset, PhotographsInSeveralFoldersAreFound) {
+    fs::create_directories(place("card"));
+    fs::rename(session_.photo_folder() / "five.jpg", place("card/five.jpg"));
+    const std::string photos = session_.photo_folder().string();
+    ASSERT_EQ(export_to("one", {"--images", photos}).exit_code, 0);
+    EXPECT_FALSE(fs::exists(place("one/0/images/five.jpg")));
+    ASSERT_EQ(export_to("two", {"--images", photos, "--images", place("card").string()}).exit_code,
+              0);
+    EXPECT_TRUE(fs::exists(place("two/0/images/five.jpg")));
+}
+
+TEST_F(ExportDataset, PartsOfAPictureAreNumbers) {
+    for (const char* part : {"nan", "-0.1", "1.5", "much"})
+        EXPECT_EQ(export_to("data", {"--blank-pixels", part}).exit_code, 2) << part;
+    EXPECT_EQ(export_to("data", {"--blank-pixels", "0.5"}).exit_code, 0);
 }
 
 TEST_F(ExportDataset, OptionsOfADataSetGoWithNothingElse) {

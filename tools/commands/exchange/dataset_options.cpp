@@ -12,6 +12,13 @@ namespace {
 
 constexpr const char* kDatasetGroup = "Of --format dataset";
 
+/// CLI::Range lets "nan" pass. @return what is wrong, empty if nothing
+std::string is_part(const std::string& text) {
+    double value = 0.0;
+    const bool is_inside = CLI::detail::lexical_cast(text, value) && value >= 0.0 && value <= 1.0;
+    return is_inside ? std::string() : text + " is no number from 0 to 1";
+}
+
 }  // namespace
 
 void add_dataset_size_options(CLI::App& command, DatasetArguments& arguments,
@@ -31,8 +38,10 @@ void add_dataset_size_options(CLI::App& command, DatasetArguments& arguments,
 void add_dataset_options(CLI::App& command, DatasetArguments& arguments) {
     command
         .add_option("--images", arguments.images,
-                    "folder of the photographs, where that is not the session's any more")
+                    "folder of the photographs, where that is not the session's any more; more "
+                    "than once for several, of which the first that has a photograph counts")
         ->type_name("DIR")
+        ->allow_extra_args(false)
         ->group(kDatasetGroup);
     command
         .add_option("--part", arguments.part,
@@ -43,7 +52,7 @@ void add_dataset_options(CLI::App& command, DatasetArguments& arguments) {
     command
         .add_option("--blank-pixels", arguments.blank_pixels,
                     "0: no black borders; 1: all of each photograph")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(is_part)
         ->type_name("PART")
         ->group(kDatasetGroup);
     command.add_option("--jpeg-quality", arguments.jpeg_quality, "of pictures (95)")

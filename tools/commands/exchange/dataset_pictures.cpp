@@ -75,15 +75,6 @@ std::uint64_t mask_hash(const PictureOptions& options, const PhotoFile& photo) {
     return bytes ? XXH64(bytes->data(), bytes->size(), 0) : 0;
 }
 
-/// The photograph, in the first of the folders that has it.
-PhotoFile file_in(std::span<const std::filesystem::path> folders, const std::string& name) {
-    std::error_code ignored;
-    for (const std::filesystem::path& folder : folders) {
-        if (std::filesystem::exists(folder / name, ignored)) return {folder / name, name};
-    }
-    return {folders.back() / name, name};
-}
-
 /// The view that pictures of a camera are made with: the one that they were made with before, as
 /// long as that is as good.
 Result<std::uint32_t> view_for(const Camera& camera, std::uint8_t quarter_turns,
@@ -157,6 +148,14 @@ std::vector<std::filesystem::path> picture_places(const std::string& name,
     return places;
 }
 
+PhotoFile photo_in(std::span<const std::filesystem::path> folders, const std::string& name) {
+    std::error_code ignored;
+    for (const std::filesystem::path& folder : folders) {
+        if (std::filesystem::exists(folder / name, ignored)) return {folder / name, name};
+    }
+    return {folders.back() / name, name};
+}
+
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,
                                   std::span<const std::string> names,
                                   std::span<const std::filesystem::path> folders,
@@ -182,7 +181,7 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
         const std::string name = stem + picture_extension(photo->name, options.picture.format);
         plan.images.push_back(DatasetImage{*view, name});
         DatasetRecord::Picture wanted{*view, photo->metadata.content_hash, orientation, 0,
-                                      mask_hash(options.picture, file_in(folders, photo->name))};
+                                      mask_hash(options.picture, photo_in(folders, photo->name))};
         const auto made = before.pictures.find(name);
         if (same_settings && made != before.pictures.end()) {
             wanted.bytes = made->second.bytes;
@@ -201,7 +200,8 @@ Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Im
 Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
                                                std::span<const std::filesystem::path> folders,
                                                const std::filesystem::path& place,
-                                               const PictureOptions& options, StagedFiles& files) {
+                                               const PictureOptions& options, StagedFiles& files,
+                                               const std::atomic<bool>& stop) {
     MemoryBudget budget;
     CountLine line(" photographs undistorted", plan.tasks.size());
     std::mutex mutex;
@@ -215,7 +215,7 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
         const auto pixels = std::uint64_t{view.photo.width} * view.photo.height;
         const MemoryBudget::Share share(budget, (options.masks ? 12 : 9) * pixels);
         const auto made =
-            undistort_photo(file_in(folders, task.photo->name), task.photo->metadata.content_hash,
+            undistort_photo(photo_in(folders, task.photo->name), task.photo->metadata.content_hash,
                             task.photo->metadata.orientation, view, options);
         Result<void> written;
         const auto places = picture_places(image.name, options);
@@ -236,6 +236,7 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
         tbb::blocked_range<std::size_t>(0, plan.tasks.size(), 1),
         [&](const auto& range) {
             for (std::size_t t = range.begin(); t < range.end(); ++t) {
+                if (stop) return;
                 {
                     const std::lock_guard lock(mutex);
                     if (failure) return;
@@ -245,6 +246,10 @@ Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
         },
         tbb::simple_partitioner());
     if (failure) return *failure;
+    if (stop) {
+        return Error{ErrorCode::kCancelled,
+                     "stopped on request; " + place.string() + " is as it was before"};
+    }
     std::vector<std::string> reasons;
     for (std::size_t t = 0; t < plan.tasks.size(); ++t) {
         if (!left_out[t]) continue;

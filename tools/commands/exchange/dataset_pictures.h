@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -40,6 +41,9 @@ struct PicturePlan {
     std::vector<PictureTask> tasks;
 };
 
+/// The photograph, in the first of the folders that has it.
+PhotoFile photo_in(std::span<const std::filesystem::path> folders, const std::string& name);
+
 /// @param images  of the session, ascending by id
 /// @param names  of pictures, without extension, one for each of these
 /// @param folders  of the photographs: one that has it counts, the first ones first
@@ -59,11 +63,13 @@ std::vector<std::filesystem::path> picture_places(const std::string& name,
 /// Makes what the plan asks for, on all threads of the budget, within about 600 MiB. Photographs
 /// that cannot be used are taken out of the plan.
 /// @param folders  of the photographs, as above. A content hash of 0 lets any content pass
+/// @param stop  read from all threads
 /// @return what was left out, one line for each
-/// @errors kNoSpace, kIo: a file cannot be written
+/// @errors kNoSpace, kIo: a file cannot be written; kCancelled: stopped
 Result<std::vector<std::string>> make_pictures(PicturePlan& plan,
                                                std::span<const std::filesystem::path> folders,
                                                const std::filesystem::path& place,
-                                               const PictureOptions& options, StagedFiles& files);
+                                               const PictureOptions& options, StagedFiles& files,
+                                               const std::atomic<bool>& stop);
 
 }  // namespace psfm

@@ -19,6 +19,7 @@
 #include "storage/exchange/models/write_dataset.h"
 #include "storage/exchange/models/write_models.h"
 #include "storage/session/session_store.h"
+#include "tools/commands/console/interrupts.h"
 #include "tools/commands/console/mask_report.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
@@ -137,7 +138,7 @@ class DatasetExport {
             options_.picture.mask_folder = contents.mask_folder;
         // What came by `psfm serve` lies in the session itself.
         if (!arguments.images.empty()) {
-            photos_ = {arguments.images};
+            photos_.assign(arguments.images.begin(), arguments.images.end());
         } else {
             photos_ = {contents.session / "photographs"};
             photos_.insert(photos_.end(), contents.other_folders.begin(),
@@ -147,6 +148,7 @@ class DatasetExport {
     }
 
     std::optional<Failure> run() {
+        if (auto told = tell_of_given_masks(); !told.ok()) return of_output(told.error());
         for (std::size_t n = 0; n < contents_.models.size(); ++n) {
             if (arguments_.part && *arguments_.part != n) continue;
             if (auto failure = stage_part(n)) return failure;
@@ -179,6 +181,13 @@ class DatasetExport {
         return arguments_.part ? output_ : output_ / std::to_string(part);
     }
 
+    Result<void> tell_of_given_masks() const {
+        if (arguments_.mask_folder.empty()) return {};
+        std::vector<PhotoFile> photos;
+        for (const Image& image : contents_.images) photos.push_back(photo_in(photos_, image.name));
+        return tell_of_masks(arguments_.mask_folder, photos);
+    }
+
     std::optional<Failure> stage_part(std::size_t n) {
         const ExportedModel& model = contents_.models[n];
         const std::filesystem::path place = place_of(n);
@@ -202,7 +211,8 @@ class DatasetExport {
         }
         const std::size_t wanted = plan->tasks.size();
         const auto planned = plan->images;
-        auto left_out = make_pictures(*plan, photos_, place, options_.picture, files_);
+        auto left_out =
+            make_pictures(*plan, photos_, place, options_.picture, files_, catch_interrupts());
         if (!left_out.ok()) return of_output(left_out.error());
         const auto pictures = static_cast<std::size_t>(std::ranges::count_if(
             plan->images, [](const auto& image) { return image.has_value(); }));
@@ -230,7 +240,8 @@ class DatasetExport {
         left_out_.insert(left_out_.end(), left_out->begin(), left_out->end());
         summary_.push_back(place.string() + ": " + counted(pictures, "image") + " of " +
                            counted(undistorted.cameras.size(), "camera") + ", " +
-                           std::to_string(undistorted.points.size()) + " points; " +
+                           std::to_string(undistorted.points.size()) + " points" +
+                           (undistorted.points.empty() ? " (most trainers want some)" : "") + "; " +
                            counted(wanted - left_out->size(), "picture") + " written");
         return std::nullopt;
     }
@@ -336,12 +347,6 @@ int export_dataset(const std::string& session, const std::string& output,
     asked.reductions.erase(again.begin(), again.end());
     if (asked.reductions_as_before && asked.reductions.empty())
         asked.reductions = reductions_of(*previous);
-    if (!asked.mask_folder.empty()) {
-        std::vector<PhotoFile> photos;
-        for (const Image& image : contents->images) photos.push_back({{}, image.name});
-        if (auto told = tell_of_masks(asked.mask_folder, photos); !told.ok())
-            return report_error(told.error(), ErrorOrigin::kOtherInput);
-    }
     DatasetExport dataset(*contents, asked, output, *std::move(previous));
     const auto failure = dataset.run();
     if (failure) return report_error(failure->error, failure->origin);

@@ -18,7 +18,7 @@ inline constexpr const char* kDatasetFormat = "dataset";
 
 /// The options of `export` that are a data set's alone.
 struct DatasetArguments {
-    std::string images;                 ///< folder of the photographs; empty: the session's
+    std::vector<std::string> images;    ///< folders of the photographs; empty: the session's
     std::optional<std::uint32_t> part;  ///< only this one, into the output folder itself
     std::vector<std::uint32_t> reductions;
     bool reductions_as_before = false;  ///< without reductions: those of an earlier export there

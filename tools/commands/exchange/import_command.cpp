@@ -118,9 +118,8 @@ void add_import_command(CLI::App& app, int& exit_code) {
     command->footer(
         "Images, cameras, features and the verified matches (two_view_geometries) are read; the\n"
         "geometry of each pair is estimated anew. No photograph is needed, but points have their\n"
-        "colours with --images only. The session remembers\n"
-        "the database: `psfm resume` goes on, and the same command adds images that are new in "
-        "it.\n"
+        "colours with --images only. The session remembers the database: `psfm resume` goes on,\n"
+        "and the same command adds images that are new in it.\n"
         "\n"
         "Examples:\n"
         "  psfm import --session castle --colmap-database castle.db\n"
