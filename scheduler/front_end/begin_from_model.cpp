@@ -12,6 +12,8 @@
 
 #include "scheduler/front_end/foreign_features.h"
 #include "scheduler/session/encode_state.h"
+#include "scheduler/session/file_stamp.h"
+#include "scheduler/session/known_files.h"
 #include "stages/clustering/batch_clusters.h"
 #include "stages/verification/run_verification.h"
 
@@ -181,7 +183,14 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
             }
             Camera camera = *sources[k].camera;
             camera.focal_source = FocalSource::kGiven;
-            auto done = store_.commit_image(image, camera, photo.keypoints, photo.descriptors);
+            ImageSource source;
+            const PhotoFile file{foreign_.photo_folder / from.name, from.name};
+            const auto stamp = stamp_of(file.path);
+            const bool was_read =
+                stamp && !extracted[k]->unread && has_photograph(foreign_.photo_folder, from.name);
+            if (was_read) source.file = file_of(file, *stamp);
+            auto done =
+                store_.commit_image(image, camera, photo.keypoints, photo.descriptors, source);
             if (!done.ok()) return done.error();
             if (sources[k].database_id) of_database_id_[*sources[k].database_id] = image.id;
             images_.push_back({image.id, camera, image.metadata.content_hash,

@@ -71,6 +71,15 @@ Result<OpenSession> open_session(const LocaliseArguments& arguments) {
         return Error{ErrorCode::kNotFound,
                      arguments.session + ": the session has no model yet; `psfm status` says why"};
     }
+    const bool has_points = std::ranges::any_of(scene->clusters, [](const auto& cluster) {
+        return cluster->model && !cluster->model->points.empty();
+    });
+    if (!has_points) {
+        return Error{ErrorCode::kNotFound,
+                     arguments.session +
+                         ": the model has no points that a photograph could be placed by, since "
+                         "the one that the session began with had none"};
+    }
     std::size_t with_descriptors = 0;
     for (const auto& [image, place] : session.map->places()) {
         const auto descriptors = session.reader->descriptors(image);

@@ -83,7 +83,8 @@ int run(const CLI::App& command, const RunArguments& arguments) {
     if (code != 0 || arguments.dataset_folder.empty()) return code;
     DatasetArguments dataset = arguments.dataset;
     dataset.threads = arguments.session.threads;
-    dataset.reductions_as_before = true;
+    dataset.as_before = true;
+    dataset.masks = !arguments.masks.empty();
     return export_dataset(arguments.session.session, arguments.dataset_folder, std::nullopt,
                           dataset);
 }

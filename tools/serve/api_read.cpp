@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "scheduler/session/photo_folders.h"
 #include "tools/report/json_text.h"
 #include "tools/report/residuals.h"
 #include "tools/serve/api.h"
@@ -67,25 +68,6 @@ std::string title_of(const HttpRequest& head) {
     constexpr std::size_t kLongest = 200;  // Guard: bounds what a user may write
     if (title.size() > kLongest) title.resize(kLongest);
     return title;
-}
-
-/// A session's photographs lie within it when they were sent, and where its settings say otherwise.
-/// Nothing when there is no such file below either, whatever an imported name says.
-std::optional<std::filesystem::path> photograph_called(const std::string& name,
-                                                       const std::filesystem::path& session,
-                                                       const SessionReader& reader) {
-    const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
-    if (relative.is_absolute() || relative.empty() || *relative.begin() == "..")
-        return std::nullopt;
-    std::error_code ignored;
-    const std::filesystem::path sent = session / "photographs" / relative;
-    if (std::filesystem::is_regular_file(sent, ignored)) return sent;
-    const auto settings = reader.settings();
-    // Expected: without them it is not known where the photograph lies
-    if (!settings.ok() || settings->photo_folder.empty()) return std::nullopt;
-    const std::filesystem::path found = std::filesystem::path(settings->photo_folder) / relative;
-    if (std::filesystem::is_regular_file(found, ignored)) return found;
-    return std::nullopt;
 }
 
 const SceneCluster* cluster_with(const Scene& scene, ImageId image) {
@@ -316,7 +298,8 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
     const auto facts = parts_.live->facts();
     if (image >= facts.size() || !facts[image].id || !parts_.thumbnail)
         return problem(404, "there is no such image");
-    const auto photo = photograph_called(facts[image].name, parts_.session, *parts_.reader);
+    const auto folders = photo_folders(*parts_.reader, parts_.session);
+    const auto photo = folders.ok() ? find_photo(*folders, facts[image].name) : std::nullopt;
     if (!photo) return problem(404, "this photograph is not where the session had it");
     const std::filesystem::path kept =
         parts_.session / "thumbnails" / (sha256_hex(facts[image].name) + ".jpg");

@@ -97,7 +97,9 @@ Keypoint keypoint_of(const colmap::Block& block, std::size_t row) {
 }
 
 bool is_sound(const Keypoint& keypoint) {
-    return std::isfinite(keypoint.x) && std::isfinite(keypoint.y) &&
+    // Format: from here on float tells no pixel from the next.
+    constexpr float kFarthestPixel = 16777216.0F;
+    return std::abs(keypoint.x) < kFarthestPixel && std::abs(keypoint.y) < kFarthestPixel &&
            std::isfinite(keypoint.scale) && keypoint.scale > 0.0F && std::isfinite(keypoint.angle);
 }
 

@@ -63,7 +63,8 @@ Result<Block> BlockReader::read(std::int64_t key) {
     }
     if (std::ranges::find(allowed_cols_, static_cast<std::uint32_t>(*cols)) ==
         allowed_cols_.end()) {
-        if (passes_over_others_) return Block{};
+        const bool fits = *cols > 0 && length % *rows == 0 && length / *rows % *cols == 0;
+        if (passes_over_others_ && fits) return Block{};
         return damaged(key, std::to_string(*cols) + " columns are not what psfm reads");
     }
     const auto row_bytes = *cols * static_cast<std::int64_t>(element_size_);

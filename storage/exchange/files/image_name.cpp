@@ -49,6 +49,7 @@ std::optional<std::string> problem_of_name(std::string_view name) {
     const std::filesystem::path path(name);
     if (path.is_absolute()) return "is an absolute path";
     if (std::ranges::find(path, "..") != path.end()) return "leads out of the photograph folder";
+    if (!path.has_filename() || path.filename() == ".") return "names a folder";
     return std::nullopt;
 }
 

@@ -13,12 +13,29 @@ const Item* find_by_id(const std::vector<Item>& items, Id id) {
     return found != items.end() && found->id == id ? &*found : nullptr;
 }
 
+/// Format: COLMAP's databases know no larger id.
+constexpr std::uint64_t kLargestId = 2147483646;
+
+/// The n-th number from 1 on that the list has not.
+std::uint32_t free_id(std::span<const std::uint32_t> ids, std::size_t n) {
+    auto free = static_cast<std::uint32_t>(n + 1);
+    for (const std::uint32_t id : ids) {
+        if (id > free) break;
+        if (id > 0) ++free;
+    }
+    return free;
+}
+
 /// @param id  ours: a number plus one
 std::uint32_t id_in(std::span<const std::uint32_t> ids, std::uint32_t id) {
     if (ids.empty()) return id;
     const std::size_t number = id - 1;
-    return number < ids.size() ? ids[number]
-                               : ids.back() + static_cast<std::uint32_t>(number - ids.size() + 1);
+    if (number < ids.size()) return ids[number];
+    const std::size_t later = number - ids.size();
+    const std::uint64_t next = std::uint64_t{ids.back()} + later + 1;
+    if (next <= kLargestId) return static_cast<std::uint32_t>(next);
+    const std::size_t above = ids.back() < kLargestId ? kLargestId - ids.back() : 0;
+    return free_id(ids, later - above);
 }
 
 }  // namespace
@@ -33,7 +50,10 @@ ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> ima
     for (ExportedPoint& point : model.points) {
         for (ExportedObservation& seen : point.track)
             seen.image_id = id_in(image_ids, seen.image_id);
+        std::ranges::sort(point.track);
     }
+    std::ranges::sort(model.cameras, {}, &ExportedCamera::id);
+    std::ranges::sort(model.images, {}, &ExportedImage::id);
     return model;
 }
 

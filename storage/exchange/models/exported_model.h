@@ -72,7 +72,8 @@ struct ExportedModel {
 
 /// A model of a session that began with another program's, with the ids that images and cameras
 /// had there: numbers 0, 1, … (our ids less one) get those of the lists, later ones what follows
-/// the largest. REQUIRES: the lists ascend
+/// the largest, and from COLMAP's largest id on those that the lists leave free. REQUIRES: the
+/// lists ascend
 ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> image_ids,
                          std::span<const std::uint32_t> camera_ids);
 

@@ -36,6 +36,15 @@ std::optional<std::string> problem_of_pose(Rigid3& cam_from_world) {
     return std::nullopt;
 }
 
+std::optional<std::string> problem_of(const ExportedKeypoint& keypoint) {
+    // Format: sessions keep places as float, which tells no pixel from the next from here on.
+    constexpr double kFarthestPixel = 16777216.0;
+    const bool is_place =
+        std::abs(keypoint.x) < kFarthestPixel && std::abs(keypoint.y) < kFarthestPixel;
+    return is_place ? std::nullopt
+                    : std::optional<std::string>("feature position is no place in a photograph");
+}
+
 std::optional<std::string> problem_of(const ExportedPoint& point) {
     const std::string name = "point " + std::to_string(point.id);
     if (!point.position.allFinite() || !std::isfinite(point.error_px))

@@ -105,9 +105,7 @@ Result<std::vector<ExportedImage>> read_images_binary(const std::filesystem::pat
             if (!input.read(keypoint.x) || !input.read(keypoint.y) || !input.read(keypoint.point)) {
                 return input.damaged(kTruncated);
             }
-            if (!std::isfinite(keypoint.x) || !std::isfinite(keypoint.y)) {
-                return input.damaged("feature position is not finite");
-            }
+            if (const auto problem = problem_of(keypoint)) return input.damaged(*problem);
             if (keep_keypoints) image.keypoints.push_back(keypoint);
         }
     }

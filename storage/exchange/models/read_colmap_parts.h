@@ -29,6 +29,7 @@ Result<std::vector<ExportedPoint>> read_points_text(const std::filesystem::path&
 std::optional<std::string> problem_of(const Camera& camera);
 std::optional<std::string> problem_of_pose(Rigid3& cam_from_world);
 std::optional<std::string> problem_of(const ExportedPoint& point);
+std::optional<std::string> problem_of(const ExportedKeypoint& keypoint);
 
 /// The error for a camera model that COLMAP has and psfm has not.
 Error unsupported_model(const std::filesystem::path& path, std::uint32_t camera_id,

@@ -95,6 +95,7 @@ Result<std::vector<ExportedImage>> read_images_text(const std::filesystem::path&
                 !read_point_id(features, keypoint.point)) {
                 return input.damaged("not a list of features (X Y POINT3D_ID …)");
             }
+            if (const auto problem = problem_of(keypoint)) return input.damaged(*problem);
             if (keep_keypoints) image.keypoints.push_back(keypoint);
         }
     }

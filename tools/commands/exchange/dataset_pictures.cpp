@@ -11,6 +11,7 @@
 #include <mutex>
 #include <sstream>
 
+#include "scheduler/session/photo_folders.h"
 #include "stages/features/photographs/photo_mask.h"
 #include "stages/features/photographs/read_file_bytes.h"
 #include "storage/exchange/files/link_on_the_way.h"
@@ -63,6 +64,13 @@ std::string settings_text(const DatasetPictureOptions& options) {
     for (const std::uint32_t factor : options.picture.reductions) text << ' ' << factor;
     if (options.picture.masks) text << " masks";
     return text.str();
+}
+
+/// What a word of settings_text() has after it.
+template <typename Value>
+bool take(std::istream& text, const char* word, Value& value) {
+    std::string found;
+    return text >> found && found == word && text >> value;
 }
 
 /// What a picture's mask is made of, so that it is made again when that changes; 0: nothing.
@@ -136,6 +144,22 @@ void drop_unused_views(PicturePlan& plan) {
 
 }  // namespace
 
+std::optional<DatasetPictureOptions> settings_of(const DatasetRecord& record) {
+    DatasetPictureOptions options;
+    std::istringstream text(record.settings);
+    std::string word;
+    const bool is_whole = take(text, "blank", options.view.blank_pixels) &&
+                          take(text, "max", options.view.max_size) &&
+                          take(text, "multiple", options.view.multiple) &&
+                          take(text, "centred", options.view.centred) &&
+                          take(text, "quality", options.picture.jpeg_quality) && text >> word;
+    if (!is_whole) return std::nullopt;
+    for (std::uint32_t factor = 0; text >> factor;) options.picture.reductions.push_back(factor);
+    text.clear();
+    options.picture.masks = text >> word && word == "masks";
+    return options;
+}
+
 std::vector<std::filesystem::path> picture_places(const std::string& name,
                                                   const PictureOptions& options) {
     std::vector<std::filesystem::path> places;
@@ -149,11 +173,8 @@ std::vector<std::filesystem::path> picture_places(const std::string& name,
 }
 
 PhotoFile photo_in(std::span<const std::filesystem::path> folders, const std::string& name) {
-    std::error_code ignored;
-    for (const std::filesystem::path& folder : folders) {
-        if (std::filesystem::exists(folder / name, ignored)) return {folder / name, name};
-    }
-    return {folders.back() / name, name};
+    const auto found = find_photo(folders, name);
+    return {found.value_or(folders.back() / name), name};
 }
 
 Result<PicturePlan> plan_pictures(const ExportedModel& model, std::span<const Image> images,

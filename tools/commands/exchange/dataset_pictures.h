@@ -28,6 +28,10 @@ struct DatasetPictureOptions {
     double unchanged_px = 0.01;
 };
 
+/// With what its pictures were made, but the format and the masks' folder; nothing where the record
+/// does not say so.
+std::optional<DatasetPictureOptions> settings_of(const DatasetRecord& record);
+
 /// A picture that has to be made.
 struct PictureTask {
     std::size_t image = 0;  ///< number in the model's list
@@ -41,7 +45,8 @@ struct PicturePlan {
     std::vector<PictureTask> tasks;
 };
 
-/// The photograph, in the first of the folders that has it.
+/// The photograph, in the first of the folders (at least one) that has it: find_photo(). Else where
+/// the last one would have it.
 PhotoFile photo_in(std::span<const std::filesystem::path> folders, const std::string& name);
 
 /// @param images  of the session, ascending by id

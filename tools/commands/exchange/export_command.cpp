@@ -10,8 +10,10 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "graph/wording.h"
+#include "scheduler/session/photo_folders.h"
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_model.h"
 #include "storage/exchange/models/distinct_points.h"
@@ -68,22 +70,47 @@ void print_summary(const std::vector<ExportedModel>& models, ExportFormat format
     std::cout << std::flush;
 }
 
-/// Of a link to one folder, photographs that are not in it are missing.
-void tell_photographs_elsewhere(const std::vector<ExportedModel>& models,
-                                const std::filesystem::path& folder) {
+/// How many of the models' photographs the folder has not.
+std::size_t photographs_elsewhere(const std::vector<ExportedModel>& models,
+                                  const std::filesystem::path& folder) {
     std::size_t elsewhere = 0;
     for (const ExportedModel& model : models) {
         elsewhere += static_cast<std::size_t>(
             std::ranges::count_if(model.images, [&](const ExportedImage& image) {
-                std::error_code ignored;
-                return !std::filesystem::exists(folder / image.name, ignored);
+                return !find_photo(std::span(&folder, 1), image.name);
             }));
     }
+    return elsewhere;
+}
+
+/// The folder that a link of theirs leads to: the one that has most; empty when none has any.
+std::filesystem::path folder_of_most(const std::vector<ExportedModel>& models,
+                                     const std::vector<std::filesystem::path>& folders) {
+    std::filesystem::path best;
+    std::size_t fewest = 0;
+    for (const ExportedModel& model : models) fewest += model.images.size();
+    for (const auto& folder : folders) {
+        const std::size_t elsewhere = photographs_elsewhere(models, folder);
+        if (elsewhere >= fewest) continue;
+        fewest = elsewhere;
+        best = folder;
+    }
+    return best;
+}
+
+/// Of a link to one folder, photographs that are not in it are missing.
+void tell_photographs_elsewhere(const std::vector<ExportedModel>& models,
+                                const std::filesystem::path& folder) {
+    if (folder.empty()) {
+        std::cerr << "psfm: the session does not know where its photographs are: make `images` a "
+                     "link to their folder, beside each transforms.json\n";
+        return;
+    }
+    const std::size_t elsewhere = photographs_elsewhere(models, folder);
     if (elsewhere == 0) return;
     std::cerr << "psfm: " << counted(elsewhere, "photograph") << (elsewhere == 1 ? " is" : " are")
               << " not in " << folder.string()
-              << ", the folder of the last run, which `images` leads to; `--format dataset` has "
-                 "those of all folders\n";
+              << ", which `images` leads to; `--format dataset` has those of all folders\n";
 }
 
 int run_export(const CLI::App& command, const ExportArguments& arguments) {
@@ -132,7 +159,10 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     }
     const bool any_points = std::ranges::any_of(
         *models, [](const ExportedModel& model) { return !model.points.empty(); });
-    if (!any_points) {
+    if (!any_points && !arguments.after_image) {
+        std::cerr << "psfm: the model has no points, since the one that the session began with "
+                     "had none; they come with photographs that are joined to it\n";
+    } else if (!any_points) {
         std::cerr
             << "psfm: only poses of this version are kept, so the export has no points; a session "
                "made with --history full keeps them\n";
@@ -140,8 +170,11 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     const auto known =
         std::span(*images).first(std::min<std::size_t>(scene->image_count, images->size()));
     const auto reference = world_reference_of(*models, known);
+    const auto folders = photo_folders(**session, arguments.session);
+    if (!folders.ok()) return report_error(folders.error());
     WriteModelsOptions options{
-        .photo_folder = settings->photo_folder,
+        .photo_folder = *format == ExportFormat::kNerfstudio ? folder_of_most(*models, *folders)
+                                                             : std::filesystem::path(),
         .ply = arguments.points_only ? PlyContents::kPoints : PlyContents::kPointsAndCameras};
     std::vector<GeoPart> parts;
     for (const ExportedModel& model : *models) {
@@ -170,7 +203,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (const std::string trouble = position_trouble(reference, *models, known); !trouble.empty())
         std::cerr << "psfm: " << trouble << '\n';
     if (*format == ExportFormat::kNerfstudio)
-        tell_photographs_elsewhere(*models, settings->photo_folder);
+        tell_photographs_elsewhere(*models, options.photo_folder);
     return 0;
 }
 

@@ -3,15 +3,13 @@
 #include "tools/commands/exchange/export_dataset.h"
 
 #include <algorithm>
-#include <charconv>
 #include <iostream>
 #include <numeric>
-#include <set>
-#include <string_view>
 
 #include "graph/wording.h"
 #include "scheduler/front_end/foreign_features.h"
 #include "scheduler/session/file_stamp.h"
+#include "scheduler/session/photo_folders.h"
 #include "scheduler/session/session_config.h"
 #include "storage/exchange/models/dataset_names.h"
 #include "storage/exchange/models/export_models.h"
@@ -35,16 +33,16 @@ namespace {
 struct DatasetContents {
     std::filesystem::path session;
     Scene scene;
-    std::vector<Image> images;                      ///< content hash 0: came without its photograph
-    std::filesystem::path photo_folder;             ///< of the last run
-    std::set<std::filesystem::path> other_folders;  ///< that photographs came from
-    std::filesystem::path mask_folder;              ///< of `psfm run --masks`; empty: none
+    std::vector<Image> images;  ///< content hash 0: came without its photograph
+    std::vector<std::filesystem::path> photo_folders;
+    std::filesystem::path mask_folder;  ///< of `psfm run --masks`; empty: none
     std::vector<ExportedModel> models;
 };
 
-Result<DatasetContents> read_session(const SessionReader& session,
+Result<DatasetContents> read_session(const SessionReader& session, const std::string& place,
                                      std::optional<std::uint32_t> after_image) {
     DatasetContents contents;
+    contents.session = place;
     auto scene = after_image ? session.scene_after(*after_image) : session.scene();
     if (!scene.ok()) return scene.error();
     contents.scene = *std::move(scene);
@@ -53,13 +51,9 @@ Result<DatasetContents> read_session(const SessionReader& session,
     contents.images = *std::move(images);
     const auto settings = session.settings();
     if (!settings.ok()) return settings.error();
-    contents.photo_folder = settings->photo_folder;
-    const auto sources = session.image_sources();
-    if (!sources.ok()) return sources.error();
-    for (const ImageSource& source : *sources) {
-        if (!source.file.folder.empty()) contents.other_folders.insert(source.file.folder);
-    }
-    contents.other_folders.erase(contents.photo_folder);
+    auto folders = photo_folders(session, place);
+    if (!folders.ok()) return folders.error();
+    contents.photo_folders = *std::move(folders);
     const auto config = decode_config(settings->settings_json);
     if (config.ok()) {
         contents.mask_folder = config->masks;
@@ -99,20 +93,20 @@ DatasetPictureOptions picture_options(const DatasetArguments& arguments) {
     return options;
 }
 
-/// K of the folders images_K that psfm has written, ascending.
-std::vector<std::uint32_t> reductions_of(const PreviousExport& previous) {
-    std::set<std::uint32_t> found;
-    for (const std::string& path : previous.paths()) {
-        constexpr std::string_view kFolder = "images_";  // Format: trainers' name of it
-        const std::filesystem::path folder = std::filesystem::path(path).parent_path().filename();
-        const std::string name = folder.string();
-        if (!name.starts_with(kFolder)) continue;
-        std::uint32_t factor = 0;
-        const char* end = name.data() + name.size();
-        const auto read = std::from_chars(name.data() + kFolder.size(), end, factor);
-        if (read.ec == std::errc() && read.ptr == end) found.insert(factor);
-    }
-    return {found.begin(), found.end()};
+/// With what an earlier export into the folder was asked for, where nothing else is asked for now.
+DatasetArguments as_before(DatasetArguments asked, const std::filesystem::path& output) {
+    const DatasetArguments defaults;
+    const std::filesystem::path place = asked.part ? output : output / "0";
+    const auto before = settings_of(read_dataset_record(place / kDatasetRecordName));
+    if (!before) return asked;
+    if (asked.reductions.empty()) asked.reductions = before->picture.reductions;
+    if (asked.max_size == defaults.max_size) asked.max_size = before->view.max_size;
+    if (asked.blank_pixels == defaults.blank_pixels) asked.blank_pixels = before->view.blank_pixels;
+    if (asked.jpeg_quality == defaults.jpeg_quality)
+        asked.jpeg_quality = before->picture.jpeg_quality;
+    asked.off_centre = asked.off_centre || !before->view.centred;
+    asked.masks = asked.masks || before->picture.masks;
+    return asked;
 }
 
 bool is_picture_folder(const std::string& name) {
@@ -136,15 +130,9 @@ class DatasetExport {
         names_ = dataset_names(names);
         if (options_.picture.mask_folder.empty())
             options_.picture.mask_folder = contents.mask_folder;
-        // What came by `psfm serve` lies in the session itself.
-        if (!arguments.images.empty()) {
+        photos_ = contents.photo_folders;
+        if (!arguments.images.empty())
             photos_.assign(arguments.images.begin(), arguments.images.end());
-        } else {
-            photos_ = {contents.session / "photographs"};
-            photos_.insert(photos_.end(), contents.other_folders.begin(),
-                           contents.other_folders.end());
-            photos_.push_back(contents.photo_folder);
-        }
     }
 
     std::optional<Failure> run() {
@@ -250,8 +238,10 @@ class DatasetExport {
                          const std::vector<std::string>& reasons) const {
         if (std::ranges::all_of(photos_, is_gone)) {
             return {ErrorCode::kNotFound,
-                    photos_.back().string() +
-                        " is not there: name the folder that has the photographs with --images"};
+                    (photos_.size() < 2 && arguments_.images.empty()
+                         ? contents_.session.string() + " does not know where its photographs are"
+                         : photos_.back().string() + " is not there") +
+                        ": name the folder that has the photographs with --images"};
         }
         return {ErrorCode::kNotFound, "no photograph of " + place.string() + " can be used: " +
                                           (reasons.empty() ? "none is known" : reasons.front())};
@@ -333,20 +323,17 @@ int export_dataset(const std::string& session, const std::string& output,
     if (!reader.ok()) return report_error(reader.error());
     if (const auto apart = check_apart_from_photographs(output, **reader); !apart.ok())
         return report_error(apart.error(), ErrorOrigin::kOtherInput);
-    auto contents = read_session(**reader, after_image);
+    auto contents = read_session(**reader, session, after_image);
     if (!contents.ok()) return report_error(contents.error());
-    contents->session = session;
     if (const auto failure = check_parts(*contents, session, arguments))
         return report_error(failure->error, failure->origin);
     auto previous = PreviousExport::take(output);
     if (!previous.ok()) return report_error(previous.error(), ErrorOrigin::kOtherInput);
     const ThreadBudget budget(arguments.threads);
-    DatasetArguments asked = arguments;
+    DatasetArguments asked = arguments.as_before ? as_before(arguments, output) : arguments;
     std::ranges::sort(asked.reductions);
     const auto again = std::ranges::unique(asked.reductions);
     asked.reductions.erase(again.begin(), again.end());
-    if (asked.reductions_as_before && asked.reductions.empty())
-        asked.reductions = reductions_of(*previous);
     DatasetExport dataset(*contents, asked, output, *std::move(previous));
     const auto failure = dataset.run();
     if (failure) return report_error(failure->error, failure->origin);

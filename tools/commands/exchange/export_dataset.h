@@ -21,7 +21,8 @@ struct DatasetArguments {
     std::vector<std::string> images;    ///< folders of the photographs; empty: the session's
     std::optional<std::uint32_t> part;  ///< only this one, into the output folder itself
     std::vector<std::uint32_t> reductions;
-    bool reductions_as_before = false;  ///< without reductions: those of an earlier export there
+    /// What is not given here is as in an earlier export there.
+    bool as_before = false;
     std::uint32_t max_size = 0;
     double blank_pixels = 0.0;
     int jpeg_quality = 95;

@@ -64,7 +64,10 @@ Result<void> check_photographs(const std::filesystem::path& folder, const Import
     const std::string lacks = lacking(missing, folder.string(), reason, images);
     if (missing.count == images.names.size() && !all_may_lack) {
         // A folder that cannot be looked into says why.
-        if (const auto listing = list_photos(folder); !reason.empty() && !listing.ok())
+        std::error_code ignored;
+        const bool is_there = std::filesystem::is_directory(folder, ignored);
+        if (const auto listing = list_photos(folder);
+            !listing.ok() && (!reason.empty() || !is_there))
             return listing.error();
         return Error{ErrorCode::kNotFound,
                      lacks + ": name the folder that COLMAP had as --image_path"};

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "graph/wording.h"
 #include "storage/exchange/database/colmap_database.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/count_line.h"
@@ -42,11 +43,20 @@ Result<void> check_contents(const ColmapDatabase& database, const std::string& s
     std::error_code ignored;
     if (std::filesystem::exists(session, ignored)) return {};
     CountLine line(" images of the database looked at", database.images().size());
+    std::size_t without = 0;
     for (const DatabaseImage& image : database.images()) {
-        if (const auto found = database.keypoints(image.id); !found.ok()) return found.error();
-        if (const auto found = database.descriptors(image.id); !found.ok()) return found.error();
+        const auto keypoints = database.keypoints(image.id);
+        if (!keypoints.ok()) return keypoints.error();
+        const auto descriptors = database.descriptors(image.id);
+        if (!descriptors.ok()) return descriptors.error();
+        without += !keypoints->empty() && descriptors->values.empty() ? 1 : 0;
         if (const auto found = database.matches(image.id); !found.ok()) return found.error();
         line.advance();
+    }
+    if (without > 0) {
+        std::cerr << "psfm: " << counted(without, "image")
+                  << " of the database without SIFT descriptors (128 bytes a feature): the matches "
+                     "count, but no photograph can be localised in what is made of them\n";
     }
     return {};
 }

@@ -19,6 +19,7 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/exchange/import_checks.h"
+#include "tools/commands/exchange/model_checks.h"
 #include "tools/commands/exchange/session_place.h"
 #include "tools/commands/session_runner.h"
 
@@ -27,82 +28,55 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A model of poses alone has an empty file of points; without one it is not whole.
-Result<void> check_points_are_there(const fs::path& folder) {
-    std::error_code ignored;
-    for (const char* name : {"points3D.bin", "points3D.txt"}) {
-        if (fs::is_regular_file(folder / name, ignored)) return {};
-    }
-    return Error{ErrorCode::kNotFound,
-                 folder.string() + " has no points3D.bin or points3D.txt: copy the whole model"};
-}
+struct FoundModel {
+    fs::path folder;
+    ExportedModel model;
+};
 
-/// Poses that are written the other way round put points behind their cameras.
-Result<void> check_depths(const ExportedModel& model, const fs::path& folder) {
-    std::size_t observations = 0;
-    std::size_t behind = 0;
-    for (const ExportedPoint& point : model.points) {
-        for (const ExportedObservation& seen : point.track) {
-            const Rigid3& pose = model.find_image(seen.image_id)->cam_from_world;
-            ++observations;
-            behind += (pose * point.position).z() <= 0.0 ? 1 : 0;
-        }
-    }
-    if (2 * behind <= observations) return {};
-    return Error{ErrorCode::kInvalidArgument,
-                 folder.string() + ": points lie behind their cameras, by " +
-                     std::to_string(behind) + " of " + counted(observations, "observation") +
-                     "; write the model with poses that lead from the world into the camera, as "
-                     "COLMAP does"};
-}
-
-void tell_of_spare_cameras(const ExportedModel& model) {
-    std::set<std::uint32_t> used;
-    for (const ExportedImage& image : model.images) used.insert(image.camera_id);
-    const std::size_t spare = model.cameras.size() - used.size();
-    if (spare == 0) return;
-    std::cerr << "psfm: " << counted(spare, "camera") << " of the model "
-              << (spare == 1 ? "is" : "are") << " left out: no image has "
-              << (spare == 1 ? "it" : "them") << '\n';
-}
-
-Result<ForeignModel> read_model(const ModelImportArguments& arguments,
-                                const ColmapDatabase* database) {
-    const auto folders = find_colmap_models(arguments.model);
+/// The one model of a folder.
+Result<FoundModel> read_one_model(const std::string& place) {
+    const auto folders = find_colmap_models(place);
     if (!folders.ok()) return folders.error();
     if (folders->size() > 1) {
         return Error{ErrorCode::kInvalidArgument,
-                     arguments.model + " has " + counted(folders->size(), "model") +
-                         ": name one of them, " + folders->front().string() + " for instance"};
+                     place + " has " + counted(folders->size(), "model") + ": name one of them, " +
+                         folders->front().string() + " for instance"};
     }
     if (auto checked = check_points_are_there(folders->front()); !checked.ok())
         return checked.error();
     auto model = read_colmap_model(folders->front());
     if (!model.ok()) return model.error();
-    for (const ExportedCamera& camera : model->cameras) {
+    return FoundModel{folders->front(), *std::move(model)};
+}
+
+Result<ForeignModel> read_model(const ModelImportArguments& arguments,
+                                const ColmapDatabase* database) {
+    auto found = read_one_model(arguments.model);
+    if (!found.ok()) return found.error();
+    const fs::path& folder = found->folder;
+    ExportedModel& model = found->model;
+    for (const ExportedCamera& camera : model.cameras) {
         if (const auto valid = validate(camera.camera); !valid.ok()) {
-            return Error{ErrorCode::kDamaged, folders->front().string() + ": camera " +
+            return Error{ErrorCode::kDamaged, folder.string() + ": camera " +
                                                   std::to_string(camera.id) + ": " +
                                                   valid.error().message};
         }
     }
-    if (model->images.size() < 2) {
+    if (model.images.size() < 2) {
         return Error{ErrorCode::kTooFewMatches,
-                     arguments.model + " places " + counted(model->images.size(), "image") +
+                     arguments.model + " places " + counted(model.images.size(), "image") +
                          ": there is nothing to go on with; `psfm run` on the photographs"};
     }
     std::set<std::string> names;
-    for (const ExportedImage& image : model->images) {
+    for (const ExportedImage& image : model.images) {
         if (names.insert(image.name).second) continue;
-        return Error{ErrorCode::kDamaged,
-                     folders->front().string() + " has two images named " + image.name};
+        return Error{ErrorCode::kDamaged, folder.string() + " has two images named " + image.name};
     }
-    if (auto checked = check_depths(*model, folders->front()); !checked.ok())
-        return checked.error();
-    tell_of_spare_cameras(*model);
+    if (auto checked = check_geometry(model, folder); !checked.ok()) return checked.error();
+    tell_of_spare_cameras(model);
     auto photographs = absolute_path(arguments.images);
     if (!photographs.ok()) return photographs.error();
-    return ForeignModel{*std::move(model), database, *std::move(photographs), folders->front()};
+    return ForeignModel{std::move(model), database, *std::move(photographs), folder};
 }
 
 std::optional<Failure> fill_session(const SessionArguments& session, const SessionPlace& place,
@@ -136,11 +110,21 @@ std::optional<Failure> make_session(const SessionArguments& session, const Sessi
     return std::nullopt;
 }
 
-void print_begun(const BegunSession& begun) {
+/// @param points  of the model
+void print_begun(const BegunSession& begun, std::size_t points) {
     std::cout << "taken over: " << counted(begun.images, "image") << ", " << begun.points
               << " points, " << begun.pairs << " verified pairs, in "
               << counted(begun.clusters, "cluster") << '\n'
               << std::flush;
+    if (points > begun.points) {
+        std::cerr << "psfm: " << counted(points - begun.points, "point")
+                  << " of the model left out: fewer than two images observe "
+                  << (points - begun.points == 1 ? "it" : "each") << '\n';
+    }
+    if (begun.pairs == 0) {
+        std::cerr << "psfm: no two images of the model have matches that agree with one geometry: "
+                     "each stands alone once the session goes on\n";
+    }
     if (!begun.unread.empty()) {
         std::cerr << "psfm: " << begun.unread.front();
         if (begun.unread.size() > 1)
@@ -198,7 +182,7 @@ std::optional<Failure> begin(const SessionArguments& session, const SessionPlace
     const ThreadBudget budget(session.threads);
     BegunSession begun;
     if (auto failure = make_session(session, place, *foreign, config, begun)) return failure;
-    print_begun(begun);
+    print_begun(begun, foreign->model.points.size());
     return std::nullopt;
 }
 
@@ -216,10 +200,14 @@ Result<void> check_session(const std::string& session, const ModelImportArgument
                          " did not begin with a COLMAP model, and takes none in later: "
                          "choose another session folder"};
     }
-    std::error_code ignored;
-    if (!fs::is_directory(arguments.images, ignored)) {
-        return Error{ErrorCode::kNotFound,
-                     arguments.images + ": there is no such folder of photographs"};
+    const auto model = read_one_model(arguments.model);
+    if (!model.ok()) return model.error();
+    std::vector<std::uint32_t> ids;
+    for (const ExportedImage& image : model->model.images) ids.push_back(image.id);
+    if (config.ok() && ids != config->image_ids) {
+        return Error{ErrorCode::kInvalidArgument,
+                     session + " did not begin with the model in " + arguments.model +
+                         ", which has other images: choose another session folder"};
     }
     std::cerr << "psfm: " << session << " has its model already; " << arguments.model
               << " is not read again\n";

@@ -27,6 +27,8 @@ bool lies_in(const fs::path& path, const fs::path& folder) {
 }  // namespace
 
 Result<void> check_output_folder(const fs::path& output, const fs::path& session) {
+    if (output.empty())
+        return Error{ErrorCode::kInvalidArgument, "the output folder has no name: give one"};
     if (auto possible = LockedFolder::check(output); !possible.ok()) return possible.error();
     const fs::path folder = resolved(output);
     const fs::path kept = resolved(session);
