@@ -4,7 +4,7 @@
 # `cpack` in a release build makes two Debian packages: psfm, the program with its manual pages, completions and
 # documents, and libpsfm-dev, the libraries and headers. Build on the release that they are for: what they depend on is
 # read from the program itself (dpkg-shlibdeps). tools/package/make-packages does all of it.
-option(PSFM_MANUALS "Manual pages and completions, made by running psfm, are part of what is installed" OFF)
+option(PSFM_MANUALS "Manual pages and completions, made by running psfm, and its service are installed, too" OFF)
 
 set(CPACK_PACKAGE_CONTACT "the psfm authors <psfm@localhost>")
 
@@ -34,6 +34,8 @@ execute_process(COMMAND gzip -9n \${pages} COMMAND_ERROR_IS_FATAL ANY)" COMPONEN
           COMPONENT program)
   install(FILES "${PSFM_MANUAL_FOLDER}/zsh/_psfm" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions"
           COMPONENT program)
+  # The server as a service: it starts /usr/bin/psfm, as the user that tools/package/postinst makes.
+  install(FILES "${PROJECT_SOURCE_DIR}/tools/package/psfm.service" DESTINATION lib/systemd/system COMPONENT program)
   # What Debian wants of every package: whose it is, and what has changed, as of the commit's day (SOURCE_DATE_EPOCH).
   set(debian_folder "${PROJECT_BINARY_DIR}/debian")
   file(READ "${PROJECT_SOURCE_DIR}/LICENSE" license)
@@ -63,8 +65,6 @@ urgency=medium
   install(FILES ${debian_files} DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/psfm" COMPONENT program)
   install(FILES ${debian_files} DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/libpsfm-dev" COMPONENT dev)
 endif()
-# The server as a service: its unit, and the user that it runs as (tools/package/postinst).
-install(FILES "${PROJECT_SOURCE_DIR}/tools/package/psfm.service" DESTINATION lib/systemd/system COMPONENT program)
 # Documents, at the places that they link to each other by (tests/house/documents_test.py).
 install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
         DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)

@@ -13,6 +13,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "scheduler/session/session_config.h"
 #include "stages/features/photographs/photo_listing.h"
@@ -209,9 +210,10 @@ std::string text_of(const OpenSession& session, const PhotoFile& photo,
                     const Result<LocalisedPhoto>& found) {
     std::ostringstream text;
     if (!found.ok()) {
-        const std::string& reason = found.error().message;
-        text << (reason.starts_with(photo.name) ? "" : photo.name + ": ")
-             << "not localised: " << reason;
+        const std::string name = photo.name + ": ";
+        std::string_view reason = found.error().message;
+        if (reason.starts_with(name)) reason.remove_prefix(name.size());
+        text << name << "not localised: " << reason;
         return text.str();
     }
     const Eigen::Vector3d centre = found->cam_from_world.target_origin_in_source();

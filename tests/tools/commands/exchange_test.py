@@ -267,7 +267,8 @@ class Exchange(unittest.TestCase):
         found = self.localised(self.shared / "session", empty, self.shared / "wall/images" / self.names[1])
         self.assertEqual([photo["localised"] for photo in found], [False, True])
         self.assertIn("holds no photographs", found[0]["reason"])
-        self.ends(BAD_INPUT, "localise", "--session", self.shared / "session", empty)
+        said = self.ends(BAD_INPUT, "localise", "--session", self.shared / "session", empty)
+        self.assertIn(f"{empty}: not localised: holds no photographs", said)
 
     def test_localising_works_beside_a_writer(self):
         photos = self.photos(self.folder / "photos", self.names[::2])
