@@ -299,6 +299,7 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
     if (image >= facts.size() || !facts[image].id || !parts_.thumbnail)
         return problem(404, "there is no such image");
     const auto folders = photo_folders(*parts_.reader, parts_.session);
+    // Expected: without them it is not known where the photograph lies
     const auto photo = folders.ok() ? find_photo(*folders, facts[image].name) : std::nullopt;
     if (!photo) return problem(404, "this photograph is not where the session had it");
     const std::filesystem::path kept =

@@ -85,6 +85,8 @@ TEST_F(ReadColmap, DamagedTextNamesFileAndLine) {
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 9 a.jpg\n\n", "", "camera 9");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n1 2\n", "", "images.txt, line 2");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n1 2 -2\n", "", "images.txt, line 2");
+    expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n1e200 2 -1\n", "",
+                   "no place in a photograph");
     // Blank lines between images removed by some editor:
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 0 0 0 1 b.jpg\n", "", "line 2");
     expect_damaged(kCameras, "1 1 0 0 0 0 0 0 1 a.jpg\n\n2 1 0 0 0 0 0 0 1 a.jpg\n", "",
@@ -116,7 +118,8 @@ TEST_F(ReadColmap, FilesThatDisagreeAreBothNamed) {
 }
 
 TEST_F(ReadColmap, NamesThatLeadOutOfTheFolderAreRefused) {
-    for (const char* name : {"/etc/passwd", "../a.jpg", "b/../../a.jpg", "a\x01.jpg", "\xff.jpg"}) {
+    for (const char* name :
+         {"/etc/passwd", "../a.jpg", "b/../../a.jpg", "a\x01.jpg", "\xff.jpg", ".", "b/."}) {
         expect_damaged(kCameras, std::string("4 1 0 0 0 0 0 0 1 ") + name + "\n\n", "",
                        "the name of image 4");
     }

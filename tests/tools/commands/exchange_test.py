@@ -195,13 +195,14 @@ class Exchange(unittest.TestCase):
     def test_a_data_set_below_the_photographs_is_none_of_them(self):
         photos = self.photos(self.folder / "photos", self.names[:8])
         command = ("run", photos, "--session", self.session, "--dataset", photos / "train")
-        self.ends(0, *command, "--reduced", "2", "2", "3")
+        self.ends(0, *command, "--reduced", "2", "2", "3", "--max-size", "300")
         self.assertEqual(sorted(path.name for path in (photos / "train/0").glob("images_*")), ["images_2", "images_3"])
         self.photos(photos, self.names[8:10])
         # What was reduced stays so, unless something else is asked for.
         self.ends(0, *command)
         self.assertEqual(self.status()["images"], 10)
         self.assertEqual(len(list((photos / "train/0/images_3").iterdir())), self.status()["placed"])
+        self.assertIn(" max 300 ", (photos / "train/0/.psfm-dataset.json").read_text())
 
     def test_a_session_takes_in_no_model_later(self):
         model = ("--colmap-model", self.shared / "model/0", "--images", self.shared / "half")

@@ -129,6 +129,67 @@ TEST_F(ImportModel, UnchangedItIsTheSameModel) {
                                         place("given/0"), "--images", photos()});
     EXPECT_EQ(again_imported.exit_code, 0) << again_imported.errors;
     EXPECT_NE(again_imported.output.find("no photograph"), std::string::npos);
+    // Of another model the session does not go on, nor of none.
+    ExportedModel other = model_;
+    other.images.back().id += 1;
+    for (ExportedPoint& point : other.points) {
+        for (ExportedObservation& seen : point.track)
+            seen.image_id += seen.image_id == model_.images.back().id ? 1 : 0;
+    }
+    EXPECT_NE(this->imported(other).errors.find("which has other images"), std::string::npos);
+    fs::remove(place("given/0/images.bin"));
+    EXPECT_EQ(run({"import", "--session", place("taken"), "--colmap-model", place("given/0"),
+                   "--images", photos()})
+                  .exit_code,
+              3);
+}
+
+TEST_F(ImportModel, LaterImagesGetIdsThatColmapKnows) {
+    const std::vector<std::uint32_t> given{1, 2, 4, 2147483645};
+    ExportedModel later;
+    for (std::uint32_t id = 1; id <= 8; ++id) {
+        ExportedImage image;
+        image.id = id;
+        image.camera_id = 1;
+        later.images.push_back(image);
+    }
+    later.cameras.emplace_back().id = 1;
+    const ExportedModel numbered = renumbered(later, given, std::vector<std::uint32_t>{4294967295});
+    std::vector<std::uint32_t> ids;
+    for (const ExportedImage& image : numbered.images) ids.push_back(image.id);
+    EXPECT_EQ(ids, (std::vector<std::uint32_t>{1, 2, 3, 4, 5, 6, 2147483645, 2147483646}));
+}
+
+TEST_F(ImportModel, ItsPhotographsAreFoundAfterARunElsewhere) {
+    ASSERT_EQ(run({"import", "--session", place("taken"), "--colmap-model", place("given/0"),
+                   "--images", photos()})
+                  .exit_code,
+              0);
+    {
+        const auto store = SessionStore::open_existing(place("taken"), StoreOptions{});
+        ASSERT_TRUE(store);
+        auto settings = (*store)->settings();
+        ASSERT_TRUE(settings);
+        settings->photo_folder = place("elsewhere");
+        ASSERT_TRUE((*store)->put_settings(*settings));
+    }
+    const Outcome done = run(
+        {"export", "--session", place("taken"), "--format", "dataset", "--output", place("data")});
+    EXPECT_EQ(done.errors, "");
+    EXPECT_NE(done.output.find("9 pictures written"), std::string::npos) << done.output;
+}
+
+TEST_F(ImportModel, PointsOfOneImageAreTold) {
+    ExportedPoint& point = model_.points[4];
+    for (std::size_t k = 1; k < point.track.size(); ++k) {
+        const auto image = std::ranges::lower_bound(model_.images, point.track[k].image_id, {},
+                                                    &ExportedImage::id);
+        image->keypoints[point.track[k].keypoint].point = kNoPoint;
+    }
+    point.track.resize(1);
+    const Outcome done = imported(model_);
+    EXPECT_EQ(done.exit_code, 0) << done.errors;
+    EXPECT_NE(done.errors.find("1 point of the model left out"), std::string::npos) << done.errors;
 }
 
 TEST_F(ImportModel, PointsSeenTwiceAndTheirColoursComeOutAgain) {
@@ -214,6 +275,16 @@ TEST_F(ImportModel, ACameraOfAnotherSizeNamesTheModelToo) {
     const Outcome done = imported(model_);
     EXPECT_EQ(done.exit_code, 3) << done.errors;
     EXPECT_NE(done.errors.find(place("changed/0") + ", camera 4: "), std::string::npos)
+        << done.errors;
+    EXPECT_FALSE(fs::exists(place("taken")));
+}
+
+TEST_F(ImportModel, PointsThatAreNotWhereTheirFeaturesAreAreRefused) {
+    for (ExportedCamera& camera : model_.cameras) camera.camera.params[1] += 1000.0;
+    const Outcome done = imported(model_);
+    EXPECT_EQ(done.exit_code, 3) << done.errors;
+    EXPECT_NE(done.errors.find("points do not lie where their images' features are"),
+              std::string::npos)
         << done.errors;
     EXPECT_FALSE(fs::exists(place("taken")));
 }

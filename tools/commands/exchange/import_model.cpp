@@ -204,10 +204,16 @@ Result<void> check_session(const std::string& session, const ModelImportArgument
     if (!model.ok()) return model.error();
     std::vector<std::uint32_t> ids;
     for (const ExportedImage& image : model->model.images) ids.push_back(image.id);
+    // Expected: as above
     if (config.ok() && ids != config->image_ids) {
         return Error{ErrorCode::kInvalidArgument,
                      session + " did not begin with the model in " + arguments.model +
                          ", which has other images: choose another session folder"};
+    }
+    std::error_code ignored;
+    if (!fs::is_directory(arguments.images, ignored)) {
+        return Error{ErrorCode::kNotFound,
+                     arguments.images + ": there is no such folder of photographs"};
     }
     std::cerr << "psfm: " << session << " has its model already; " << arguments.model
               << " is not read again\n";

@@ -79,7 +79,7 @@ Result<void> check_points_are_there(const fs::path& folder) {
 }
 
 Result<void> check_geometry(const ExportedModel& model, const fs::path& folder) {
-    if (auto checked = check_depths(model, folder); !checked.ok()) return checked;
+    if (auto checked = check_depths(model, folder); !checked.ok()) return checked.error();
     return check_projections(model, folder);
 }
 
