@@ -40,10 +40,10 @@ StagedFiles::~StagedFiles() {
 /// The last one made first. Only empty ones go: removal of others fails.
 void StagedFiles::remove_made_folders(const std::filesystem::path& within) {
     std::error_code ignored;
-    for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
-        if (std::ranges::mismatch(within, *folder).in1 == within.end())
-            std::filesystem::remove(*folder, ignored);
-    }
+    std::for_each(made_folders_.rbegin(), made_folders_.rend(), [&](const auto& folder) {
+        if (std::ranges::mismatch(within, folder).in1 == within.end())
+            std::filesystem::remove(folder, ignored);
+    });
 }
 
 Result<void> StagedFiles::make_folder(const std::filesystem::path& folder) {

@@ -112,12 +112,13 @@ void PreviousExport::keep(const fs::path& folder) {
 
 std::vector<fs::path> PreviousExport::outdated() const {
     std::vector<fs::path> gone;
-    for (auto name = paths_.rbegin(); name != paths_.rend(); ++name) {
-        const fs::path path = folder_ / *name;
+    for (const std::string& name : paths_) {
+        const fs::path path = folder_ / name;
         const bool kept =
             std::ranges::any_of(kept_, [&](const fs::path& folder) { return is_in(path, folder); });
-        if (!kept && !claimed_.contains(*name)) gone.push_back(path);
+        if (!kept && !claimed_.contains(name)) gone.push_back(path);
     }
+    std::ranges::reverse(gone);
     return gone;
 }
 

@@ -172,6 +172,7 @@ class DatasetExport {
     Result<void> tell_of_given_masks() const {
         if (arguments_.mask_folder.empty()) return {};
         std::vector<PhotoFile> photos;
+        photos.reserve(contents_.images.size());
         for (const Image& image : contents_.images) photos.push_back(photo_in(photos_, image.name));
         return tell_of_masks(arguments_.mask_folder, photos);
     }
