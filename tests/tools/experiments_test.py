@@ -262,6 +262,11 @@ elif words[0] == "status":
     count = int((value("--session") / "count").read_text())
     print(json.dumps(dict(images=count, placed=count, waiting=0, rejected=0, clusters=1, effective_clusters=1,
         resets=0, solves_new=1)))
+elif words[0] == "evaluate":
+    count = int((value("--session") / "count").read_text())
+    largest = dict(registered=count, outliers=1, ate_mean=0.1)
+    print(json.dumps(dict(models=[largest], versions=[dict(image=i + 1, placed=i + 1, effective_clusters=1, outliers=1,
+        largest=largest) for i in range(count)])))
 else:
     sys.exit("unexpected: " + " ".join(words))
 """
@@ -297,6 +302,7 @@ class Command(Folder):
 
     def install(self):
         self.photographs("duplicates/cereal/images", 8)
+        (self.folder / "duplicates/cereal/reference").mkdir()
         return self.stand_in(PSFM)
 
     def test_list(self):
@@ -327,7 +333,7 @@ class Command(Folder):
         code, _, errors = self.run_tool(*arguments)
         self.assertEqual(code, 0, errors)
         page = (self.folder / "pages/cereal.md").read_text()
-        self.assertIn("psfm placed 8 of 8", page)
+        self.assertIn("psfm placed 8 of 8 (1 outlier", page)
         self.assertIn("(cereal.md)", (self.folder / "pages/README.md").read_text())
         self.assertNotIn(str(self.folder), page)
         plots = sorted((self.folder / "pages").glob("*.svg"))
