@@ -24,6 +24,9 @@ struct ImageSource {
     std::uint64_t mask_hash = 0;          ///< xxHash64 of the mask file that was used; 0: none was
     /// Taken out of the session again: nothing of it is used, and its name may be another's.
     bool removed = false;
+    /// Of a taken-in model whose places have more digits than float: what those of the image's
+    /// first features lack, x, y, … [px]. Empty: nothing.
+    std::vector<float> place_remainders = {};
     bool operator==(const ImageSource&) const = default;
 };
 

@@ -91,6 +91,18 @@ std::shared_ptr<const Reconstruction> reconstruction_of(const ExportedModel& mod
     return result;
 }
 
+/// What float lacks of the places of an image's features; empty when nothing.
+std::vector<float> remainders_of(const ExportedImage& image) {
+    std::vector<float> remainders;
+    remainders.reserve(2 * image.keypoints.size());
+    for (const ExportedKeypoint& keypoint : image.keypoints) {
+        for (const double place : {keypoint.x, keypoint.y})
+            remainders.push_back(static_cast<float>(place - static_cast<float>(place)));
+    }
+    const bool is_exact = std::ranges::all_of(remainders, [](float r) { return r == 0.0F; });
+    return is_exact ? std::vector<float>() : remainders;
+}
+
 /// Matches of each image with earlier ones: of the database, or of the points that both see.
 using MatchesByPair = std::map<ImagePair, std::vector<FeatureMatch>>;
 
@@ -184,6 +196,7 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
             Camera camera = *sources[k].camera;
             camera.focal_source = FocalSource::kGiven;
             ImageSource source;
+            source.place_remainders = remainders_of(from);
             const PhotoFile file{foreign_.photo_folder / from.name, from.name};
             const auto stamp = stamp_of(file.path);
             const bool was_read =

@@ -110,11 +110,14 @@ Result<std::string> encode_image(const Image& image, const ImageSource& source) 
     if (!source.signature.empty()) signature = builder.CreateVector(source.signature);
     flatbuffers::Offset<flatbuffers::String> folder;
     if (!source.file.folder.empty()) folder = builder.CreateString(source.file.folder);
+    flatbuffers::Offset<flatbuffers::Vector<float>> remainders;
+    if (!source.place_remainders.empty())
+        remainders = builder.CreateVector(source.place_remainders);
     builder.Finish(records::CreateImage(
         builder, index_of(image.camera), name, data.width, data.height, data.content_hash, make,
         model, to_flat(data.focal_px), to_flat(data.focal_mm), data.orientation, gps,
         data.digital_zoom, data.focal_is_vague, signature, source.mask_hash, folder,
-        source.file.size, source.file.modified_ns, source.removed));
+        source.file.size, source.file.modified_ns, source.removed, remainders));
     return finished(builder);
 }
 
@@ -157,6 +160,8 @@ Result<ImageSource> decode_image_source(std::string_view payload) {
     source.file.size = record->file_size();
     source.file.modified_ns = record->file_time();
     source.removed = record->removed();
+    if (const auto* remainders = record->place_remainders())
+        source.place_remainders.assign(remainders->begin(), remainders->end());
     return source;
 }
 

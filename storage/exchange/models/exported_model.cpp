@@ -57,6 +57,18 @@ ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> ima
     return model;
 }
 
+void add_remainders(ExportedModel& model, std::span<const ImageSource> sources) {
+    for (ExportedImage& image : model.images) {
+        if (image.id - 1 >= sources.size()) continue;
+        const auto& remainders = sources[image.id - 1].place_remainders;
+        const std::size_t count = std::min(image.keypoints.size(), remainders.size() / 2);
+        for (std::size_t k = 0; k < count; ++k) {
+            image.keypoints[k].x += remainders[2 * k];
+            image.keypoints[k].y += remainders[2 * k + 1];
+        }
+    }
+}
+
 void add_repeated(ExportedModel& model, std::span<const std::uint32_t> repeated) {
     for (std::size_t i = 0; i + 2 < repeated.size(); i += 3) {
         const std::uint32_t id = repeated[i] + 1;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "graph/camera.h"
+#include "graph/image_source.h"
 #include "graph/rigid3.h"
 
 namespace psfm {
@@ -76,6 +77,10 @@ struct ExportedModel {
 /// lists ascend
 ExportedModel renumbered(ExportedModel model, std::span<const std::uint32_t> image_ids,
                          std::span<const std::uint32_t> camera_ids);
+
+/// Adds what places of features lack as floats (ImageSource::place_remainders).
+/// @param sources  of the images by number, which is their id less one
+void add_remainders(ExportedModel& model, std::span<const ImageSource> sources);
 
 /// Adds observations of points that another feature of the same image observes, where that feature
 /// still does and the one beside it observes nothing.

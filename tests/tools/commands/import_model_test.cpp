@@ -89,6 +89,11 @@ class ImportModel : public testing::Test {
 };
 
 TEST_F(ImportModel, UnchangedItIsTheSameModel) {
+    // As of undistorted images, places have more digits than float.
+    for (ExportedImage& image : model_.images) {
+        for (ExportedKeypoint& keypoint : image.keypoints) keypoint.x += 1e-6 / 3.0;
+    }
+    ASSERT_TRUE(write_models(std::vector{model_}, ExportFormat::kColmap, place("given")));
     Outcome imported;
     const auto again = taken_and_given("given/0", imported);
     ASSERT_TRUE(again);

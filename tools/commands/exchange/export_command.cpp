@@ -190,7 +190,10 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (!config.ok()) {
         std::cerr << "psfm: " << config.error().message << "; images have the session's numbers\n";
     } else if (colmap && !config->image_ids.empty()) {
+        const auto sources = (*session)->image_sources();
+        if (!sources.ok()) return report_error(sources.error());
         for (ExportedModel& model : *models) {
+            add_remainders(model, *sources);
             add_repeated(model, config->repeated_observations);
             model = renumbered(std::move(model), config->image_ids, config->camera_ids);
         }
