@@ -336,6 +336,7 @@ class Command(Folder):
         self.assertIn("psfm placed 8 of 8 (1 outlier", page)
         self.assertIn("(cereal.md)", (self.folder / "pages/README.md").read_text())
         self.assertNotIn(str(self.folder), page)
+        self.assertEqual([line for line in page.splitlines() if len(line) > 120 and not line.startswith("|")], [])
         plots = sorted((self.folder / "pages").glob("*.svg"))
         self.assertEqual(len(plots), 3)
         for plot in plots:

@@ -27,8 +27,29 @@ def seconds(value):
     return "–" if value is None else number(value, 1 if value < 100 else 0)
 
 
+def filled(text, indent=""):
+    return textwrap.fill(" ".join(text.split()), 118, subsequent_indent=indent, break_long_words=False,
+                         break_on_hyphens=False)
+
+
 def paragraph(text):
-    return textwrap.fill(" ".join(text.split()), 118, break_long_words=False, break_on_hyphens=False) + "\n"
+    return filled(text) + "\n"
+
+
+def item(text):
+    """Of a list."""
+    return filled(f"- {text}", indent="  ") + "\n"
+
+
+def shell_command(words):
+    """As a block, which a shell takes as it stands. @param words  quoted"""
+    lines = ["    " + words[0]]
+    for word in words[1:]:
+        if len(lines[-1]) + len(word) > 110:
+            lines[-1] += " \\"
+            lines.append("       ")
+        lines[-1] += " " + word
+    return "\n".join(lines) + "\n"
 
 
 def table(head, rows, words=1):
@@ -130,9 +151,9 @@ def events_text(result):
         return "No cluster was reset, split, joined or moved.\n"
     counts = ", ".join(f"{count} × {kind}" for kind, count in sorted(kinds.items()))
     shown = [event for event in result.psfm.log.events if event[1] == "reset"] or result.psfm.log.events
-    lines = [f"- image {image}, {kind}: {text}" for image, kind, text in shown[:MOST_EVENTS]]
+    lines = [item(f"image {image}, {kind}: {text}") for image, kind, text in shown[:MOST_EVENTS]]
     more = f"- … and {len(shown) - MOST_EVENTS} more\n" if len(shown) > MOST_EVENTS else ""
-    return f"Events: {counts}.\n\n" + "\n".join(lines) + "\n" + more
+    return f"Events: {counts}.\n\n" + "".join(lines) + more
 
 
 def short_path(settings, result, word):
@@ -149,13 +170,13 @@ def short_path(settings, result, word):
 
 
 def commands_text(settings, result):
-    lines = []
+    blocks = []
     for command in result.commands:
         words = [short_path(settings, result, word) for word in command]
-        lines.append(" ".join(word if word.startswith("$") and shlex.quote(word[1:]) == word[1:]
-                              else shlex.quote(word) for word in words))
+        blocks.append(shell_command([word if word.startswith("$") and shlex.quote(word[1:]) == word[1:]
+                                     else shlex.quote(word) for word in words]))
     folder = "$WORK/" + result.folder.relative_to(settings.work).as_posix()
-    return f"{result.run.words}, in `{folder}`:\n\n" + "\n".join("    " + line for line in lines) + "\n"
+    return f"{result.run.words}, in `{folder}`:\n\n" + "".join(blocks)
 
 
 def in_short(results):
@@ -232,7 +253,7 @@ def write_page(settings, experiment, results, plots):
     if settings.images:
         parts.append(f"**A trial with the first {settings.images} images of each order.** What stands for \"at once\" is "
                      "the first order's images.\n")
-    parts += [in_short(results) + "\n", provenance(settings, results), "## Result\n", results_table(results),
+    parts += [paragraph(in_short(results)), provenance(settings, results), "## Result\n", results_table(results),
               "What the columns mean is told in [README.md](README.md).\n", "## While the images arrive\n"]
     for result, plot in zip(results, plots, strict=True):
         parts += [f"### {result.run.words[0].upper() + result.run.words[1:]}\n",
