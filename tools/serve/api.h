@@ -66,6 +66,7 @@ class Api final : public HttpApplication {
         int count = 0;
     };
     std::map<std::string, Failures> failures_;  // by address
+    // Of the lane of models:
     std::uint64_t replay_version_ = 0;
     std::shared_ptr<const std::string> replay_, replay_gzip_;
 };

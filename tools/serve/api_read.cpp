@@ -87,6 +87,7 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
     const auto id = [&](std::size_t k) {
         return parts.size() > k ? id_in(parts[k]) : std::nullopt;
     };
+    const auto of_model = [](auto work) { return by_work(std::move(work), Lane::kModel); };
     if (parts.size() == 4) {
         if (what == "events") {
             if (head.method == "HEAD") return at_once(problem(405, "a stream has no end to tell"));
@@ -96,22 +97,21 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
         }
         if (what == "session")
             return by_work([this, user](const HttpRequest& r) { return session(user, r); });
-        if (what == "scene") return by_work([this](const HttpRequest& r) { return scene(r); });
-        if (what == "replay") return by_work([this](const HttpRequest& r) { return replay(r); });
+        if (what == "scene") return of_model([this](const HttpRequest& r) { return scene(r); });
+        if (what == "replay") return of_model([this](const HttpRequest& r) { return replay(r); });
     }
     if (parts.size() == 5 && what == "scene" && parts[4] == "changes")
         return by_work([this](const HttpRequest& r) { return changes(r); });
     if (parts.size() == 5 && what == "images" && id(4))
-        return by_work([this, k = *id(4)](const HttpRequest&) { return image(k); });
+        return of_model([this, k = *id(4)](const HttpRequest&) { return image(k); });
     if (parts.size() == 6 && what == "images" && id(4) && parts[5] == "thumbnail") {
-        HttpPlan plan = by_work([this, k = *id(4)](const HttpRequest&) { return thumbnail(k); });
-        plan.is_slow = true;  // a photograph is decoded for it
-        return plan;
+        return by_work([this, k = *id(4)](const HttpRequest&) { return thumbnail(k); },
+                       Lane::kPhotograph);
     }
     if (parts.size() == 6 && what == "points" && id(4) && id(5))
-        return by_work([this, a = *id(4), b = *id(5)](const HttpRequest&) { return point(a, b); });
+        return of_model([this, a = *id(4), b = *id(5)](const HttpRequest&) { return point(a, b); });
     if (parts.size() == 6 && what == "pairs" && id(4) && id(5))
-        return by_work([this, a = *id(4), b = *id(5)](const HttpRequest&) { return pair(a, b); });
+        return of_model([this, a = *id(4), b = *id(5)](const HttpRequest&) { return pair(a, b); });
     return at_once(problem(404, "there is nothing of this name in the API"));
 }
 
@@ -195,7 +195,6 @@ HttpResponse Api::changes(const HttpRequest& request) const {
 HttpResponse Api::replay(const HttpRequest& request) {
     const ScenePtr scene = parts_.live->scene_version();
     const std::uint64_t version = scene ? scene->version : 0;
-    const std::lock_guard lock(mutex_);
     if (!replay_ || replay_version_ != version) {
         auto bytes = replay_bytes(*parts_.reader);
         if (!bytes.ok()) return problem(503, bytes.error().message);

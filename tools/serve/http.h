@@ -53,14 +53,21 @@ class BodySink {
     virtual void give_up() = 0;
 };
 
+/// What a plan's work waits behind: each lane has a thread of its own.
+enum class Lane : std::uint8_t {
+    kQuick,       ///< what is at hand: states, changes, pages
+    kModel,       ///< what is made of the whole model, or read from disk
+    kPhotograph,  ///< a photograph is decoded
+};
+
 /// What is done about a request once its header is known. One of them is set.
 struct HttpPlan {
     std::optional<HttpResponse> answer;                    ///< at once
     std::function<HttpResponse(const HttpRequest&)> work;  ///< on another thread, with the body
-    bool is_slow = false;            ///< `work` takes so long that others should not wait for it
-    std::unique_ptr<BodySink> sink;  ///< takes the body
-    bool events = false;             ///< the stream of events begins
-    std::size_t most_body = 0;       ///< of `work` and `sink`
+    Lane lane = Lane::kQuick;                              ///< of `work`
+    std::unique_ptr<BodySink> sink;                        ///< takes the body
+    bool events = false;                                   ///< the stream of events begins
+    std::size_t most_body = 0;                             ///< of `work` and `sink`
 };
 
 inline HttpPlan at_once(HttpResponse response) {
@@ -69,9 +76,11 @@ inline HttpPlan at_once(HttpResponse response) {
     return plan;
 }
 
-inline HttpPlan by_work(std::function<HttpResponse(const HttpRequest&)> work) {
+inline HttpPlan by_work(std::function<HttpResponse(const HttpRequest&)> work,
+                        Lane lane = Lane::kQuick) {
     HttpPlan plan;
     plan.work = std::move(work);
+    plan.lane = lane;
     return plan;
 }
 

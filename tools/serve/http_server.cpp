@@ -108,7 +108,7 @@ class Server final : public HttpServer {
         });
         // Ends when every connection has; those that wait for a thread are gone on with first.
         thread_.join();
-        for (net::thread_pool* pool : {&disk_, &work_, &slow_}) pool->join();
+        for (net::thread_pool* pool : {&disk_, &quick_, &model_, &photograph_}) pool->join();
     }
 
   private:
@@ -197,8 +197,7 @@ class Server final : public HttpServer {
         if (plan.sink) {
             response = co_await on(disk_, [&] { return plan.sink->finish(); });
         } else {
-            response =
-                co_await on(plan.is_slow ? slow_ : work_, [&] { return plan.work(*request); });
+            response = co_await on(pool_of(plan.lane), [&] { return plan.work(*request); });
         }
         co_return co_await answer(stream, *request, response, parser.keep_alive());
     }
@@ -248,6 +247,11 @@ class Server final : public HttpServer {
             }
         }
         co_return true;
+    }
+
+    net::thread_pool& pool_of(Lane lane) {
+        if (lane == Lane::kQuick) return quick_;
+        return lane == Lane::kModel ? model_ : photograph_;
     }
 
     /// Runs a function on another thread, and goes on here with what it returns.
@@ -364,8 +368,9 @@ class Server final : public HttpServer {
     HttpLimits limits_;
     net::io_context io_{1};
     net::thread_pool disk_{1};
-    net::thread_pool work_{1};
-    net::thread_pool slow_{1};
+    net::thread_pool quick_{1};
+    net::thread_pool model_{1};
+    net::thread_pool photograph_{1};
     tcp::acceptor acceptor_;
     tcp::endpoint local_;
     HttpApplication* application_ = nullptr;

@@ -44,7 +44,8 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const U
       options_(options),
       edges_(options_of(reader)),
       colours_(reader),
-      shown_(ShowOptions{.number = std::random_device()() >> 2U}) {
+      shown_(ShowOptions{.number = std::random_device()() >> 2U}),
+      number_(shown_.number()) {
     // Expected: what cannot be read yet is looked at with the next version
     if (auto scene = reader.scene(); scene.ok())
         if (auto facts = tell(std::make_shared<const Scene>(*std::move(scene))))
@@ -137,7 +138,7 @@ void LiveSession::show(SessionFacts facts, bool settled) {
     std::string change;
     std::uint32_t number = 0;
     {
-        const std::lock_guard lock(mutex_);
+        const std::lock_guard lock(shown_mutex_);
         const ModelSource source{
             [&](const Observation& feature) { return colours_(feature); },
             [&](const SceneCluster& cluster) -> std::shared_ptr<const Reconstruction> {
@@ -196,6 +197,8 @@ void LiveSession::show(SessionFacts facts, bool settled) {
         const std::lock_guard lock(mutex_);
         change_bytes_ += bytes;
         changes_.push_back(std::move(kept));
+        number_ = number;
+        since_last_.clear();
         while (change_bytes_ > options_.most_change_bytes && changes_.size() > 1) {
             change_bytes_ -= changes_.front().gzip->size();
             changes_.pop_front();
@@ -259,7 +262,7 @@ LiveSession::Bytes LiveSession::session(const std::string& me, const std::string
 }
 
 LiveSession::Bytes LiveSession::scene() const {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(shown_mutex_);
     if (!snapshot_.plain || snapshot_.number != shown_.number()) {
         std::string bytes = shown_.snapshot();
         snapshot_.gzip = std::make_shared<const std::string>(gzipped(bytes));
@@ -271,29 +274,34 @@ LiveSession::Bytes LiveSession::scene() const {
 
 std::optional<LiveSession::Bytes> LiveSession::changes(std::uint32_t number) const {
     const std::lock_guard lock(mutex_);
-    Bytes bytes;
-    bytes.number = shown_.number();
     std::vector<const Change*> wanted;
     for (const Change& change : changes_) {
         if (change.number > number) wanted.push_back(&change);
     }
-    if (number > shown_.number() || wanted.size() < shown_.number() - number) return std::nullopt;
-    if (wanted.size() == 1) return Bytes{wanted[0]->plain, wanted[0]->gzip, bytes.number};
-    std::string plain;
-    for (const Change* change : wanted) plain += *change->plain;
-    bytes.gzip = std::make_shared<const std::string>(gzipped(plain));
-    bytes.plain = std::make_shared<const std::string>(std::move(plain));
+    // A snapshot may hold the change that is just being told.
+    if (number > number_ + 1 || (number < number_ && wanted.size() < number_ - number))
+        return std::nullopt;
+    if (wanted.size() == 1) return Bytes{wanted[0]->plain, wanted[0]->gzip, number_};
+    constexpr std::size_t kKept = 8;  // Guard: bounds what asking for odd numbers costs
+    if (since_last_.size() >= kKept && !since_last_.contains(number)) since_last_.clear();
+    Bytes& bytes = since_last_[number];  // many watchers have been away equally long
+    if (!bytes.plain) {
+        std::string plain;
+        for (const Change* change : wanted) plain += *change->plain;
+        bytes = {nullptr, std::make_shared<const std::string>(gzipped(plain)), number_};
+        bytes.plain = std::make_shared<const std::string>(std::move(plain));
+    }
     return bytes;
 }
 
 std::optional<Observation> LiveSession::key_of(ClusterId cluster, std::uint32_t slot) const {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(shown_mutex_);
     return shown_.key_of(cluster, slot);
 }
 
 std::optional<std::uint32_t> LiveSession::slot_of(ClusterId cluster,
                                                   const Observation& first) const {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(shown_mutex_);
     return shown_.slot_of(cluster, first);
 }
 

@@ -92,8 +92,11 @@ class LiveSession final : public SessionObserver {
     std::map<std::string, std::string> told_;  // by name: state and so on
     std::chrono::steady_clock::time_point next_hints_;
 
-    mutable std::mutex mutex_;  // of what follows
+    mutable std::mutex shown_mutex_;  // of what follows: held as long as a change is made
     ShownScene shown_;
+    mutable Bytes snapshot_;  // of the number that it holds
+
+    mutable std::mutex mutex_;  // of what follows: held for an answer from what is at hand
     ScenePtr scene_;
     std::vector<ImageFact> facts_;
     std::vector<Hint> hints_;
@@ -105,7 +108,8 @@ class LiveSession final : public SessionObserver {
     };
     std::deque<Change> changes_;
     std::size_t change_bytes_ = 0;
-    mutable Bytes snapshot_;  // of the number that it holds
+    std::uint32_t number_;                               // of the last change that was told
+    mutable std::map<std::uint32_t, Bytes> since_last_;  // several changes, by the number before
     std::thread thread_;
 };
 

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <chrono>
+#include <future>
 
 namespace psfm {
 namespace {
@@ -20,15 +21,19 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// GET /large: much; anything else: "hello", and what came is thrown away.
+/// GET /large: much; GET /model: what waits for `ready`, in the lane of models; anything else:
+/// "hello", and what came is thrown away.
 class Application final : public HttpApplication {
   public:
     HttpPlan plan(const HttpRequest& head) override {
         HttpPlan plan;
         plan.most_body = 1000;
         const bool is_large = head.path == "/large";
-        plan.work = [is_large](const HttpRequest& /*request*/) {
+        const bool is_model = head.path == "/model";
+        if (is_model) plan.lane = Lane::kModel;
+        plan.work = [this, is_large, is_model](const HttpRequest& /*request*/) {
             HttpResponse response;
+            if (is_model) ready.get_future().wait_for(std::chrono::seconds(20));
             constexpr std::size_t kLarge = std::size_t{64} << 20U;
             response.body = std::make_shared<const std::string>(is_large ? std::string(kLarge, 'x')
                                                                          : std::string("hello"));
@@ -36,6 +41,8 @@ class Application final : public HttpApplication {
         };
         return plan;
     }
+
+    std::promise<void> ready;
 };
 
 class Client {
@@ -202,6 +209,18 @@ std::string outer_address() {
     }
     ::freeifaddrs(all);
     return found;
+}
+
+TEST_F(HttpServerTest, WhatIsAtHandWaitsForNoModel) {
+    serve(HttpLimits{});
+    const Client slow("127.0.0.1", port());
+    ASSERT_TRUE(slow.send("GET /model HTTP/1.1\r\nHost: a\r\n\r\n"));
+    const Client quick("127.0.0.1", port());
+    ASSERT_TRUE(quick.send(kGet));
+    EXPECT_THAT(quick.some(), StartsWith("HTTP/1.1 200 "));
+    EXPECT_LT(seconds(), kSoon);
+    application_.ready.set_value();
+    EXPECT_THAT(slow.some(), StartsWith("HTTP/1.1 200 "));
 }
 
 TEST_F(HttpServerTest, OneAddressHasItsShareOfTheConnections) {
