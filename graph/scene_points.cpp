@@ -3,7 +3,9 @@
 #include "graph/scene_points.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "graph/sorted_unique.h"
@@ -130,6 +132,17 @@ void ScenePoints::append(PointBlockPtr block) {
     if (first_.empty()) first_.push_back(0);
     first_.push_back(first_.back() + block->points().size());
     blocks_.push_back(std::move(block));
+}
+
+BlockDifference difference_between(const ScenePoints& before, const ScenePoints& after) {
+    const auto those_of_one = [](const ScenePoints& one, const ScenePoints& other) {
+        const std::unordered_set<PointBlockPtr> known(other.blocks().begin(), other.blocks().end());
+        std::vector<PointBlockPtr> blocks;
+        std::ranges::copy_if(one.blocks(), std::back_inserter(blocks),
+                             [&](const PointBlockPtr& block) { return !known.contains(block); });
+        return blocks;
+    };
+    return {those_of_one(before, after), those_of_one(after, before)};
 }
 
 }  // namespace psfm

@@ -125,4 +125,10 @@ class ScenePoints {
     std::vector<std::size_t> first_;     // by block, and the number of points last; or nothing
 };
 
+/// Blocks that one of two models has and the other lacks: all other points are the same.
+struct BlockDifference {
+    std::vector<PointBlockPtr> gone, come;
+};
+BlockDifference difference_between(const ScenePoints& before, const ScenePoints& after);
+
 }  // namespace psfm

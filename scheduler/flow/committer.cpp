@@ -64,6 +64,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
 
 Result<void> Committer::on(const SourceIdle& message, CommitOutput& /*output*/) {
     photos_before_idle_ = message.photos;
+    if (message.for_long) photos_before_rest_ = message.photos;
     return {};
 }
 
@@ -115,7 +116,9 @@ Result<void> Committer::advance(CommitOutput& output) {
     // Settling begins once everything is published, so that what it starts from does not depend on
     // timing; what an earlier process was settling ends as one version, as it would have there.
     const bool at_rest = reports_.empty() && !state_.clusters.busy() && !merging_;
-    if (at_rest && ((settle_first_ && !hold) || (ended && !changed_))) {
+    const bool ends_for_now =
+        photos_before_rest_ == photos_seen_ && !hold && !config_.deterministic;
+    if (at_rest && ((settle_first_ && !hold) || ((ended || ends_for_now) && !changed_))) {
         if (const auto concluded = conclude(output); !concluded.ok()) return concluded.error();
     }
     const VersionMoment moment{.changed = changed_,

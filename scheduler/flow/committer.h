@@ -115,6 +115,7 @@ class Committer {
     const Admission* image_tokens_ = nullptr;
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
+    std::optional<std::uint64_t> photos_before_rest_;  // none: none has been awaited for long
     std::optional<std::uint64_t> photos_expected_;     // known once no photograph will follow
     bool merging_ = false;                             // one merge in flight at most
     double rest_per_merge_ = ExecutionOptions{}.rest_per_merge;

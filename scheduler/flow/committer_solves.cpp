@@ -27,7 +27,8 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
     for (const ClusterEntry* entry : clusters) {
         auto problem = problem_of(*entry, settle);
         if (!problem.ok()) return problem.error();
-        output.solves.push_back({*std::move(problem)});
+        const bool is_interim = settle && photos_before_rest_ && photos_expected_ != photos_seen_;
+        output.solves.push_back({*std::move(problem), is_interim});
         ++solving_;
     }
     // Those that a cluster could not place are tried elsewhere (unplaced_images).
@@ -42,6 +43,12 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
 
 Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*/) {
     --solving_;
+    if (!message.solution->ok() && message.solution->error().code == ErrorCode::kCancelled) {
+        // A photograph came first; it settles once none has come for long again.
+        --settling_;
+        state_.clusters.put_off(message.problem->cluster);
+        return {};
+    }
     if (!config_.deterministic) {
         const auto taken = take_solution(message);
         return taken.ok() ? Result<void>() : taken.error();

@@ -78,11 +78,45 @@ tbb::task_arena arena_of(int threads) {
     return threads == 1 ? tbb::task_arena(2, 2) : tbb::task_arena(threads, 1);
 }
 
+/// Tells the graph when no photograph is there, and again once that has been so for long.
+class QuietTeller {
+  public:
+    /// @param photo_came  false while what settles may go on
+    QuietTeller(SessionGraph& graph, double long_seconds, std::atomic<bool>& photo_came)
+        : graph_(&graph), long_seconds_(long_seconds), photo_came_(&photo_came) {}
+
+    /// @param photos  that have been put so far
+    void nothing_came(std::uint64_t photos) {
+        const std::chrono::duration<double> quiet = Clock::now() - since_;
+        if (told_ == Told::kNothing) {
+            since_ = Clock::now();
+            told_ = Told::kQuiet;
+            graph_->put(SourceIdle{photos});
+        } else if (told_ == Told::kQuiet && quiet.count() >= long_seconds_) {
+            told_ = Told::kQuietForLong;
+            *photo_came_ = false;
+            graph_->put(SourceIdle{photos, true});
+        }
+    }
+    void photo_came() {
+        told_ = Told::kNothing;
+        *photo_came_ = true;
+    }
+
+  private:
+    enum class Told : std::uint8_t { kNothing, kQuiet, kQuietForLong };
+    SessionGraph* graph_;
+    double long_seconds_;
+    std::atomic<bool>* photo_came_;
+    Clock::time_point since_;
+    Told told_ = Told::kNothing;
+};
+
 /// @return how many photographs were put into the graph
 std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unverified,
                    const SeenPhotos& seen, PhotoSource& photos, Admission& photo_tokens,
                    Admission& image_tokens, MemoryBudget& memory, const FrontEnd& front_end,
-                   const std::atomic<bool>& stop) {
+                   QuietTeller& quiet, const std::atomic<bool>& stop) {
     if (!admit(image_tokens, graph, stop)) return 0;
     graph.put(CatchUp{});
     for (const AcceptedImagePtr& image : unverified) {
@@ -90,19 +124,18 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
         graph.put(ResumedImage{image});
     }
     std::uint64_t sequence = 0;
-    std::optional<std::uint64_t> told_idle;  // when so many had been put
     PhotoFile photo;
     while (!stop.load() && !graph.failed()) {
         const PhotoSource::Next next = photos.next(photo);
         if (next == PhotoSource::Next::kEnd) break;
         if (next == PhotoSource::Next::kLater) {
-            if (told_idle != sequence) graph.put(SourceIdle{sequence});
-            told_idle = sequence;
+            quiet.nothing_came(sequence);
             std::this_thread::sleep_for(kPoll);
             continue;
         }
         const auto stamp = stamp_of(photo.path);
         if (seen.contains(photo.name, stamp)) continue;
+        quiet.photo_came();
         if (!admit(photo_tokens, graph, stop) || !admit(image_tokens, graph, stop)) break;
         const std::size_t bytes = front_end.extraction_bytes(photo);
         if (!admit(memory, bytes, graph, stop)) break;
@@ -169,6 +202,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     parts.committer = &committer;
     parts.observer = &observer;
     parts.stop = &stop;
+    std::atomic<bool> photo_came = false;
+    parts.photo_came = &photo_came;
     parts.photo_tokens = &photo_tokens;
     parts.image_tokens = &image_tokens;
     MemoryBudget memory(std::size_t{config.memory_mib} << 20U);
@@ -176,9 +211,11 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     NodeTimes times;
     parts.times = &times;
     SessionGraph graph(parts, arena);
+    QuietTeller quiet(graph, execution.settle_after_seconds, photo_came);
 
     const std::uint64_t photos_put = feed(graph, restored->unverified, seen, photos, photo_tokens,
-                                          image_tokens, memory, **front_end, stop);
+                                          image_tokens, memory, **front_end, quiet, stop);
+    quiet.photo_came();  // or none will: what settles for the time being does so for good
     if (!stop.load()) graph.end_of_photos(photos_put);
     if (const auto done = graph.wait(); !done.ok()) return done.error();
 

@@ -206,7 +206,8 @@ CommitInput SessionGraph::Nodes::solve(const SolveMessage& message) const {
     if (stopped()) return solved;
     solved.solution =
         std::make_shared<const Result<ClusterSolution>>(guarded<ClusterSolution>("solve", [&] {
-            return solve_cluster(*message.problem, parts.options->solve, parts.stop);
+            return solve_cluster(*message.problem, parts.options->solve,
+                                 message.is_interim ? parts.photo_came : parts.stop);
         }));
     return solved;
 }

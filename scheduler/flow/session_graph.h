@@ -35,6 +35,7 @@ class SessionGraph {
         Committer* committer = nullptr;
         SessionObserver* observer = nullptr;
         const std::atomic<bool>* stop = nullptr;
+        const std::atomic<bool>* photo_came = nullptr;  ///< ends interim solves, as stop does
         Admission* photo_tokens = nullptr;
         Admission* image_tokens = nullptr;
         MemoryBudget* memory = nullptr;

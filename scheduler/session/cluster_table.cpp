@@ -238,6 +238,14 @@ void ClusterTable::give_up(ClusterId cluster) {
     make_dirty(found->second);
 }
 
+void ClusterTable::put_off(ClusterId cluster) {
+    const auto found = entries_.find(cluster);
+    if (found == entries_.end()) return;
+    const bool is_dirty = found->second.phase == ClusterPhase::kSolvingDirty;
+    set_phase(found->second, ClusterPhase::kClean);
+    if (is_dirty) make_dirty(found->second);
+}
+
 void ClusterTable::learn_cameras(ClusterId cluster,
                                  const std::shared_ptr<const Reconstruction>& model,
                                  ModelCamerasPtr cameras) {

@@ -159,6 +159,9 @@ class ClusterTable {
     /// Leaves a result out of account (counted as coalesced): its cluster, if it is still there, is
     /// dirty, and has the material that it had. REQUIRES: a solve of it was in flight
     void give_up(ClusterId cluster);
+    /// The same of a solve that changed nothing but to settle: the cluster is as if it had not
+    /// begun, and dirty only where it has changed meanwhile.
+    void put_off(ClusterId cluster);
 
     /// What a merge found of a cluster's model; nothing happens where it has another one by now.
     void learn_cameras(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,

@@ -85,6 +85,7 @@ struct VerifiedMessage {
 
 struct SolveMessage {
     std::shared_ptr<const ClusterProblem> problem;
+    bool is_interim = false;  ///< settles while nothing comes: is given up when something does
 };
 
 struct SolvedMessage {
@@ -117,6 +118,7 @@ struct EndOfPhotos {
 /// No photograph is there at present, though some may come: nothing else will happen by itself.
 struct SourceIdle {
     std::uint64_t photos = 0;  ///< as in EndOfPhotos
+    bool for_long = false;     ///< for so long that what there is may settle
 };
 
 /// An image that was acknowledged by an earlier process and is not verified yet.

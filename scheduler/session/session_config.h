@@ -113,6 +113,11 @@ struct ExecutionOptions {
     /// that took. Higher: later versions; lower: merging, whose cost grows with the session, takes
     /// the time of what is to be merged. Ours.
     double rest_per_merge = 5.0;
+    /// What there is settles once no photograph has come for so long [s], from a source that may
+    /// have more later. Higher: a model that is as good as it can be comes later; lower: what
+    /// settled has to settle again after the next photograph. Not in deterministic sessions, nor in
+    /// a batch. Ours.
+    double settle_after_seconds = 15.0;
 };
 
 }  // namespace psfm

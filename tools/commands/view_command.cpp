@@ -54,7 +54,7 @@ Result<ViewPageData> read_view(const SessionReader& session, const std::string& 
     page.in_metres = stands_on_the_earth(world_reference_of(facts->scene, facts->images));
     std::vector<std::string> names;
     for (const Image& image : facts->images) names.push_back(image.name);
-    page.hints = hints_for(facts->scene, *edges, names);
+    page.hints = HintBook().hints(facts->scene, *edges, names);
     FeatureColours colours(session);
     ShownScene shown;
     ViewPageData data;

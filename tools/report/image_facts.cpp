@@ -3,6 +3,7 @@
 #include "tools/report/image_facts.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "tools/report/featureless.h"
 #include "tools/report/image_advice.h"
@@ -48,6 +49,27 @@ Result<void> add_placed(const SessionReader& session, InlierCache& cache, Sessio
     return {};
 }
 
+/// @param use  called for each observation, with a number that says where its point lies
+template <typename Use>
+void each_observation(const PointBlock& block, const Use& use) {
+    // Mathematics: odd factors without a pattern, of Fibonacci hashing and of MurmurHash3's end
+    constexpr std::uint64_t kFirst = 0x9e3779b97f4a7c15, kSecond = 0xff51afd7ed558ccd;
+    for (const ScenePoint& point : block.points()) {
+        std::uint64_t place = 0;
+        for (const double part : point.position)
+            place = (place ^ std::bit_cast<std::uint64_t>(part)) * kFirst;
+        for (const Observation& seen : point.track) {
+            std::uint64_t mixed = (place ^ seen.feature) * kSecond;
+            mixed ^= mixed >> 33U;
+            use(seen.image, mixed * kFirst);
+        }
+    }
+}
+
+bool is_same(const Rigid3& a, const Rigid3& b) {
+    return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
+}
+
 }  // namespace
 
 const char* state_name(ImageState state) {
@@ -62,24 +84,60 @@ const char* state_name(ImageState state) {
     return "unknown";
 }
 
+Result<void> InlierCache::follow(const Reconstruction& model, const SessionReader& session,
+                                 Known& known) {
+    const BlockDifference differing =
+        difference_between(known.model ? known.model->points : ScenePoints(), model.points);
+    std::vector<std::uint64_t> points;  // by image id
+    const auto points_of = [&](ImageId image) -> std::uint64_t& {
+        if (index_of(image) >= points.size()) points.resize(index_of(image) + 1, 0);
+        return points[index_of(image)];
+    };
+    for (const auto& [image, grounds] : known.grounds) points_of(image) = grounds.points;
+    for (const PointBlockPtr& block : differing.gone)
+        each_observation(*block, [&](ImageId image, auto number) { points_of(image) -= number; });
+    for (const PointBlockPtr& block : differing.come)
+        each_observation(*block, [&](ImageId image, auto number) { points_of(image) += number; });
+
+    std::map<ImageId, Grounds> grounds;
+    std::vector<std::uint8_t> wanted(model.images.size(), 0);
+    for (std::size_t i = 0; i < model.images.size(); ++i) {
+        const RegisteredImage& image = model.images[i];
+        const Grounds now{points_of(image.image), image.cam_from_cluster,
+                          model.cameras.at(image.camera)};
+        const auto before = known.grounds.find(image.image);
+        wanted[i] = before == known.grounds.end() || before->second.points != now.points ||
+                    before->second.camera != now.camera ||
+                    !is_same(before->second.cam_from_cluster, now.cam_from_cluster);
+        grounds.emplace(image.image, now);
+    }
+    const auto residuals = residuals_of(
+        model, [&](ImageId image) { return session.keypoints(image); }, wanted);
+    if (!residuals.ok()) return residuals.error();
+    std::map<ImageId, Entry> entries;
+    for (std::size_t i = 0; i < model.images.size(); ++i) {
+        const ImageId image = model.images[i].image;
+        const std::vector<Residual>& own = (*residuals)[i];
+        entries[image] = wanted[i] != 0
+                             ? Entry{static_cast<std::uint32_t>(own.size()), mean_length_px(own)}
+                             : known.entries.at(image);
+    }
+    known.entries = std::move(entries);
+    known.grounds = std::move(grounds);
+    return {};
+}
+
 Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(const SceneCluster& cluster,
                                                                      const SessionReader& session) {
-    auto& [model, entries] = known_[cluster.id];
+    Known& known = known_[cluster.id];
     // Points of a cluster that rests are in the store only; what is known of it holds.
-    const bool rests = cluster.model->points.empty() && !entries.empty();
-    if (model != cluster.model && !rests) {
-        const auto residuals =
-            residuals_of(*cluster.model, [&](ImageId image) { return session.keypoints(image); });
-        if (!residuals.ok()) return residuals.error();
-        entries.clear();
-        for (std::size_t i = 0; i < residuals->size(); ++i) {
-            entries[cluster.model->images[i].image] = {
-                static_cast<std::uint32_t>((*residuals)[i].size()),
-                mean_length_px((*residuals)[i])};
-        }
-        model = cluster.model;
+    const bool rests = cluster.model->points.empty() && !known.entries.empty();
+    if (known.model != cluster.model && !rests) {
+        const auto followed = follow(*cluster.model, session, known);
+        if (!followed.ok()) return followed.error();
+        known.model = cluster.model;
     }
-    return static_cast<const std::map<ImageId, Entry>*>(&entries);
+    return static_cast<const std::map<ImageId, Entry>*>(&known.entries);
 }
 
 void SinceBook::add(const PastVersion& version) {

@@ -53,7 +53,8 @@ struct SessionFacts {
 };
 
 /// Inliers and errors of models that have been looked at, so that who asks again and again pays for
-/// what has changed. Grows with the images of the session.
+/// what has changed: images whose pose, camera or points are others. Grows with the images of the
+/// session, and keeps the models.
 class InlierCache {
   public:
     struct Entry {
@@ -65,8 +66,20 @@ class InlierCache {
                                                const SessionReader& session);
 
   private:
-    std::map<ClusterId, std::pair<std::shared_ptr<const Reconstruction>, std::map<ImageId, Entry>>>
-        known_;
+    /// What an image's errors follow from.
+    struct Grounds {
+        std::uint64_t points = 0;  ///< a sum over its observations, of where they are
+        Rigid3 cam_from_cluster;
+        Camera camera;
+    };
+    struct Known {
+        std::shared_ptr<const Reconstruction> model;
+        std::map<ImageId, Grounds> grounds;
+        std::map<ImageId, Entry> entries;
+    };
+    static Result<void> follow(const Reconstruction& model, const SessionReader& session,
+                               Known& known);
+    std::map<ClusterId, Known> known_;
 };
 
 /// When each image came to be as it is, version after version.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "graph/image_places.h"
+
 namespace psfm {
 namespace {
 
@@ -16,17 +18,26 @@ struct Use {
 }  // namespace
 
 Result<std::vector<std::vector<Residual>>> residuals_of(const Reconstruction& model,
-                                                        const KeypointsProvider& keypoints) {
+                                                        const KeypointsProvider& keypoints,
+                                                        std::span<const std::uint8_t> wanted) {
     std::vector<std::vector<Use>> uses(model.images.size());
-    std::uint32_t number = 0;
-    for (const ScenePoint& point : model.points) {
-        for (const Observation& observation : point.track) {
-            const RegisteredImage* image = model.find(observation.image);
-            if (image == nullptr) continue;
-            uses[static_cast<std::size_t>(image - model.images.data())].push_back(
-                {observation.feature, number, point.position});
+    const ImagePlaces places(model);
+    const auto is_wanted = [&](ImageId image) {
+        const auto place = places(image);
+        return place && (wanted.empty() || wanted[*place] != 0);
+    };
+    for (std::size_t b = 0; b < model.points.blocks().size(); ++b) {
+        const PointBlock& block = *model.points.blocks()[b];
+        if (std::ranges::none_of(block.images(), is_wanted)) continue;
+        auto number = static_cast<std::uint32_t>(model.points.first_of(b));
+        for (const ScenePoint& point : block.points()) {
+            for (const Observation& observation : point.track) {
+                if (!is_wanted(observation.image)) continue;
+                uses[*places(observation.image)].push_back(
+                    {observation.feature, number, point.position});
+            }
+            ++number;
         }
-        ++number;
     }
     std::vector<std::vector<Residual>> residuals(model.images.size());
     for (std::size_t i = 0; i < model.images.size(); ++i) {

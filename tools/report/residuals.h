@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "graph/reconstruction.h"
@@ -22,9 +23,11 @@ struct Residual {
 
 /// The residuals of each image of a model, in the order of its images; by point. Observations that
 /// lie behind the camera are left out.
+/// @param wanted  by image of the model: 0 where none are asked for; empty: all of them
 /// @errors kDamaged (a point observes a feature that its image lacks), those of the provider
 Result<std::vector<std::vector<Residual>>> residuals_of(const Reconstruction& model,
-                                                        const KeypointsProvider& keypoints);
+                                                        const KeypointsProvider& keypoints,
+                                                        std::span<const std::uint8_t> wanted = {});
 
 /// Mean length [px]; 0 of none.
 double mean_length_px(const std::vector<Residual>& residuals);

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
+#include "graph/image_places.h"
 #include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/median.h"
 
@@ -15,8 +16,6 @@ namespace {
 struct PlacedCamera {
     const SceneCluster* cluster = nullptr;
     const RegisteredImage* image = nullptr;
-    std::size_t observations = 0;
-    std::vector<float> angles_deg;  // of some of its points
 
     Eigen::Vector3d centre() const {
         return cluster->world_from_cluster * image->cam_from_cluster.target_origin_in_source();
@@ -24,42 +23,14 @@ struct PlacedCamera {
 };
 using Cameras = std::map<ImageId, PlacedCamera>;
 
-void look_at_point(const SceneCluster& cluster, const ScenePoint& point, Cameras& cameras) {
-    constexpr std::size_t kAngles = 200;  // Guard: an image: their median is good to a few per cent
-    std::vector<std::pair<ImageId, Eigen::Vector3d>> rays;
-    for (const Observation& observation : point.track) {
-        const RegisteredImage* image = cluster.model->find(observation.image);
-        if (image == nullptr) continue;
-        ++cameras[observation.image].observations;
-        rays.emplace_back(
-            observation.image,
-            (point.position - image->cam_from_cluster.target_origin_in_source()).normalized());
-    }
-    for (const auto& [image, ray] : rays) {
-        std::vector<float>& angles = cameras[image].angles_deg;
-        if (angles.size() >= kAngles) continue;
-        double smallest = 1.0;
-        for (const auto& [other, second] : rays) smallest = std::min(smallest, ray.dot(second));
-        angles.push_back(
-            static_cast<float>(std::acos(std::clamp(smallest, -1.0, 1.0)) * kDegreesPerRadian));
-    }
-}
-
 Cameras cameras_of(const Scene& scene) {
     Cameras cameras;
     for (const auto& cluster : scene.clusters) {
         if (!cluster->model) continue;
         for (const RegisteredImage& image : cluster->model->images)
-            cameras[image.image] = {cluster.get(), &image, 0, {}};
-        for (const ScenePoint& point : cluster->model->points)
-            look_at_point(*cluster, point, cameras);
+            cameras[image.image] = {cluster.get(), &image};
     }
     return cameras;
-}
-
-template <typename T>
-T median(std::vector<T> values) {
-    return values.empty() ? T{} : upper_median(std::move(values));
 }
 
 /// The side of a camera on which nobody stands that it holds together with.
@@ -74,7 +45,7 @@ const char* empty_side(ImageId image, const Cameras& cameras, const std::vector<
         if (edge.pair.first != image && edge.pair.second != image) continue;
         const auto other =
             cameras.find(edge.pair.first == image ? edge.pair.second : edge.pair.first);
-        if (other == cameras.end() || other->second.image == nullptr) continue;
+        if (other == cameras.end()) continue;
         const double x = (cam_from_world * (other->second.centre() - camera.centre())).x();
         ++(x < 0.0 ? left : right);
     }
@@ -98,8 +69,64 @@ std::string_view hint_name(Hint::Kind kind) {
     return "unknown";
 }
 
-std::vector<Hint> hints_for(const Scene& scene, const std::vector<EdgeFact>& edges,
-                            const std::vector<std::string>& names, const HintOptions& options) {
+std::map<ImageId, HintBook::Support> HintBook::support_in(const Reconstruction& model) {
+    constexpr std::size_t kAngles = 200;  // Guard: an image: their median is good to a few per cent
+    const ImagePlaces places(model);
+    std::vector<Support> support(model.images.size());
+    std::vector<std::vector<float>> angles_deg(model.images.size());
+    std::vector<Eigen::Vector3d> centres;
+    for (const RegisteredImage& image : model.images)
+        centres.push_back(image.cam_from_cluster.target_origin_in_source());
+    std::vector<std::pair<std::uint32_t, Eigen::Vector3d>> rays;
+    for (const ScenePoint& point : model.points) {
+        rays.clear();
+        bool is_asked = false;
+        for (const Observation& seen : point.track) {
+            const auto place = places(seen.image);
+            if (!place) continue;
+            ++support[*place].observations;
+            is_asked = is_asked || angles_deg[*place].size() < kAngles;
+            rays.emplace_back(*place, point.position - centres[*place]);
+        }
+        if (!is_asked) continue;
+        for (auto& [place, ray] : rays) ray.normalize();
+        for (const auto& [place, ray] : rays) {
+            if (angles_deg[place].size() >= kAngles) continue;
+            double smallest = 1.0;
+            for (const auto& [other, second] : rays) smallest = std::min(smallest, ray.dot(second));
+            angles_deg[place].push_back(
+                static_cast<float>(std::acos(std::clamp(smallest, -1.0, 1.0)) * kDegreesPerRadian));
+        }
+    }
+    std::map<ImageId, Support> by_image;
+    for (std::size_t i = 0; i < support.size(); ++i) {
+        if (!angles_deg[i].empty()) support[i].angle_deg = upper_median(std::move(angles_deg[i]));
+        by_image.emplace(model.images[i].image, support[i]);
+    }
+    return by_image;
+}
+
+void HintBook::follow(const Scene& scene, const WholeModel& whole) {
+    std::set<ClusterId> alive;
+    for (const auto& cluster : scene.clusters) {
+        if (!cluster->model) continue;
+        alive.insert(cluster->id);
+        Known& known = known_[cluster->id];
+        const bool rests = cluster->model->points.empty();
+        if (known.model &&
+            (rests ? known.revision == cluster->revision : known.model == cluster->model)) {
+            continue;
+        }
+        const auto model = rests && whole ? whole(*cluster) : cluster->model;
+        known = {cluster->model, cluster->revision, {}};
+        if (model && !model->points.empty()) known.support = support_in(*model);
+    }
+    std::erase_if(known_, [&](const auto& known) { return !alive.contains(known.first); });
+}
+
+std::vector<Hint> HintBook::hints(const Scene& scene, const std::vector<EdgeFact>& edges,
+                                  const std::vector<std::string>& names, const WholeModel& whole) {
+    follow(scene, whole);
     const Cameras cameras = cameras_of(scene);
     const auto name = [&](ImageId image) {
         return index_of(image) < names.size() ? names[index_of(image)] : std::string("?");
@@ -110,10 +137,7 @@ std::vector<Hint> hints_for(const Scene& scene, const std::vector<EdgeFact>& edg
     for (const EdgeFact& edge : edges) {
         const auto a = cameras.find(edge.pair.first);
         const auto b = cameras.find(edge.pair.second);
-        if (a == cameras.end() || b == cameras.end() || a->second.image == nullptr ||
-            b->second.image == nullptr) {
-            continue;
-        }
+        if (a == cameras.end() || b == cameras.end()) continue;
         const auto keep_strongest = [&](auto& best, auto first, auto second) {
             const EdgeFact*& known = best[std::minmax(first, second)];
             if (known == nullptr || known->matches < edge.matches) known = &edge;
@@ -136,16 +160,21 @@ std::vector<Hint> hints_for(const Scene& scene, const std::vector<EdgeFact>& edg
                              " look alike: photographs of what lies between tell them apart"});
     }
     std::vector<std::size_t> counts;
-    for (const auto& [image, camera] : cameras) counts.push_back(camera.observations);
-    const double few = options.few_points * static_cast<double>(median(counts));
+    for (const auto& [cluster, known] : known_) {
+        for (const auto& [image, support] : known.support) counts.push_back(support.observations);
+    }
+    const double few =
+        counts.empty() ? 0.0 : options_.few_points * static_cast<double>(upper_median(counts));
     std::vector<std::pair<std::size_t, ImageId>> thin;
     std::vector<std::pair<float, ImageId>> flat;
-    for (const auto& [image, camera] : cameras) {
-        if (static_cast<double>(camera.observations) < few)
-            thin.emplace_back(camera.observations, image);
-        if (const float angle = median(camera.angles_deg);
-            !camera.angles_deg.empty() && angle < static_cast<float>(options.low_angle_deg)) {
-            flat.emplace_back(angle, image);
+    for (const auto& [cluster, known] : known_) {
+        for (const auto& [image, support] : known.support) {
+            if (static_cast<double>(support.observations) < few)
+                thin.emplace_back(support.observations, image);
+            if (support.observations > 0 &&
+                support.angle_deg < static_cast<float>(options_.low_angle_deg)) {
+                flat.emplace_back(support.angle_deg, image);
+            }
         }
     }
     std::ranges::sort(thin);
@@ -161,7 +190,7 @@ std::vector<Hint> hints_for(const Scene& scene, const std::vector<EdgeFact>& edg
                          "one a few steps to the side of " + name(image) +
                              ": what it shows is seen from nearly one direction"});
     }
-    if (hints.size() > options.most) hints.resize(options.most);
+    if (hints.size() > options_.most) hints.resize(options_.most);
     return hints;
 }
 

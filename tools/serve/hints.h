@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,9 +38,37 @@ struct HintOptions {
     double low_angle_deg = 2.5;
 };
 
-/// Computed from the model and its pairs; the most urgent first. Cost: of all points.
-/// @param names  what photographs are called, by image id
-std::vector<Hint> hints_for(const Scene& scene, const std::vector<EdgeFact>& edges,
-                            const std::vector<std::string>& names, const HintOptions& options = {});
+/// Computes hints from models and their pairs, and keeps what it has found out about models that
+/// have not changed.
+class HintBook {
+  public:
+    /// A cluster's model with its points, where the scene's has none because the cluster rests;
+    /// null: it is not to be had, and nothing is said of its cameras. May be empty.
+    using WholeModel =
+        std::function<std::shared_ptr<const Reconstruction>(const SceneCluster& cluster)>;
+
+    explicit HintBook(const HintOptions& options = {}) : options_(options) {}
+
+    /// The most urgent first. Cost: of all points of models that have changed.
+    /// @param names  what photographs are called, by image id
+    std::vector<Hint> hints(const Scene& scene, const std::vector<EdgeFact>& edges,
+                            const std::vector<std::string>& names, const WholeModel& whole = {});
+
+  private:
+    struct Support {
+        std::size_t observations = 0;
+        float angle_deg = 0.F;  ///< median, between its rays and those of others
+    };
+    struct Known {
+        std::shared_ptr<const Reconstruction> model;
+        std::uint32_t revision = 0;
+        std::map<ImageId, Support> support;
+    };
+    static std::map<ImageId, Support> support_in(const Reconstruction& model);
+    void follow(const Scene& scene, const WholeModel& whole);
+
+    HintOptions options_;
+    std::map<ClusterId, Known> known_;
+};
 
 }  // namespace psfm

@@ -135,16 +135,16 @@ std::optional<SessionFacts> LiveSession::tell(const ScenePtr& scene) {
 
 void LiveSession::show(SessionFacts facts, bool settled) {
     const auto scene = std::make_shared<const Scene>(facts.scene);
+    const auto whole = [&](const SceneCluster& cluster) -> std::shared_ptr<const Reconstruction> {
+        auto model = reader_->recycled_model({cluster.id, cluster.revision});
+        return model.ok() ? *model : nullptr;  // Expected: without its points then
+    };
     std::string change;
     std::uint32_t number = 0;
     {
         const std::lock_guard lock(shown_mutex_);
-        const ModelSource source{
-            [&](const Observation& feature) { return colours_(feature); },
-            [&](const SceneCluster& cluster) -> std::shared_ptr<const Reconstruction> {
-                auto model = reader_->recycled_model({cluster.id, cluster.revision});
-                return model.ok() ? *model : nullptr;  // Expected: shown without points then
-            }};
+        const ModelSource source{[&](const Observation& feature) { return colours_(feature); },
+                                 whole};
         change = shown_.update(*scene, source, settled);
         number = shown_.number();
     }
@@ -177,10 +177,12 @@ void LiveSession::show(SessionFacts facts, bool settled) {
     page.hints = hints_;
     // Expected: as above
     if (edges.ok() && (settled || Clock::now() >= next_hints_)) {
-        page.hints = hints_for(*scene, *edges, names);
-        next_hints_ =
-            Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                               std::chrono::duration<double>(options_.seconds_between_hints));
+        const Clock::time_point start = Clock::now();
+        page.hints = hint_book_.hints(*scene, *edges, names, whole);
+        const double pause = std::max(options_.seconds_between_hints,
+                                      seconds_since(start) / options_.share_of_hints);
+        next_hints_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                         std::chrono::duration<double>(pause));
     }
     std::string session = session_json(page);
     session.pop_back();

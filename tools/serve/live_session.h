@@ -25,8 +25,10 @@ struct LiveOptions {
     /// A change is told at most so often [s]. Higher: later; lower: more bytes, and more of the
     /// processor's time. Ours.
     double seconds_between_changes = 0.5;
-    /// Hints are looked for at most so often [s]: they cost a look at all points. Ours.
+    /// Hints are looked for at most so often [s], and for at most this share of the time: they cost
+    /// a look at all points. Ours.
     double seconds_between_hints = 5.0;
+    double share_of_hints = 0.02;
     std::size_t most_change_bytes = std::size_t{16} << 20U;  ///< of changes that are kept
 };
 
@@ -89,6 +91,7 @@ class LiveSession final : public SessionObserver {
     FactsMemory memory_;
     EdgeBook edges_;
     FeatureColours colours_;
+    HintBook hint_book_;
     std::map<std::string, std::string> told_;  // by name: state and so on
     std::chrono::steady_clock::time_point next_hints_;
 

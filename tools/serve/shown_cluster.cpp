@@ -112,7 +112,7 @@ Sim3 robust_similarity(std::span<const std::pair<Eigen::Vector3d, Eigen::Vector3
     return best;
 }
 
-void fit_frame(ShownCluster& shown, const Reconstruction& model) {
+bool fit_frame(ShownCluster& shown, const Reconstruction& model, double most) {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
     const std::size_t stride = std::max<std::size_t>(1, model.points.size() / kSample);
     std::size_t number = 0;
@@ -129,7 +129,13 @@ void fit_frame(ShownCluster& shown, const Reconstruction& model) {
                            image.cam_from_cluster.target_origin_in_source());
     }
     constexpr std::size_t kFewest = 8;  // Guard: fewer determine no similarity that outliers spare
-    if (pairs.size() >= kFewest) shown.cluster_from_shown = robust_similarity(pairs);
+    if (pairs.size() < kFewest) return false;
+    std::vector<double> distances;
+    for (const auto& [from, to] : pairs)
+        distances.push_back((shown.cluster_from_shown * from - to).norm());
+    if (upper_median(distances) <= most * shown.cluster_from_shown.scale) return false;
+    shown.cluster_from_shown = robust_similarity(pairs);
+    return true;
 }
 
 std::string place_content(const ShownCluster& shown) {

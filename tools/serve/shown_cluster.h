@@ -44,6 +44,7 @@ struct ShownPose {
 /// A cluster as watchers have it, in a frame of its own.
 struct ShownCluster {
     std::shared_ptr<const Reconstruction> model;  ///< that points and poses were taken from
+    ScenePoints followed;  ///< points that are shown; none: each has to be looked at anew
     std::uint32_t revision = 0;
     Sim3 cluster_from_shown;
     Sim3 world_from_shown;
@@ -62,7 +63,10 @@ double extent_of(const ShownCluster& shown);
 
 /// Lets the shown frame follow the model's gauge, by the similarity that takes what is shown to
 /// where the model has it; points that moved by themselves do not count.
-void fit_frame(ShownCluster& shown, const Reconstruction& model);
+/// @param most  half of what is shown may lie so far from where the model has it, in the shown
+///              frame, until the frame follows
+/// @return whether it is another frame now
+bool fit_frame(ShownCluster& shown, const Reconstruction& model, double most);
 
 /// target = similarity * source in the sense of least squares, with the worst left out; identity of
 /// fewer than three pairs.

@@ -13,6 +13,8 @@ namespace {
 
 /// Format: [rad]: 0.005 of the extent are as much as 0.6 degrees.
 constexpr double kTurnPerTolerance = 2.0;
+/// Guard: of the tolerance: so far a whole model may drift until its frame follows it.
+constexpr double kStill = 0.25;
 
 std::uint32_t number_of(ClusterId id) {
     return index_of(id);
@@ -88,7 +90,7 @@ void ShownScene::hand_over(const Scene& scene, std::string& changes) {
 void ShownScene::hand_over(ClusterId from, Cluster& source, ClusterId to, Cluster& target,
                            const Reconstruction& model, std::string& changes) {
     // A model that has not been shown yet lies in its own frame.
-    if (target.model) fit_frame(target, model);
+    if (target.model) fit_frame(target, model, 0.0);
     const Sim3 target_from_model = inverse(target.cluster_from_shown);
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
     std::vector<std::uint32_t> slots;
@@ -134,6 +136,7 @@ void ShownScene::hand_over(ClusterId from, Cluster& source, ClusterId to, Cluste
         target.poses[image] = pose;
     }
     target.model = std::make_shared<const Reconstruction>();  // shown from now on
+    source.followed = target.followed = {};
 }
 
 void ShownScene::follow(ClusterId id, Cluster& shown, const SceneCluster& cluster,
@@ -147,7 +150,10 @@ void ShownScene::follow(ClusterId id, Cluster& shown, const SceneCluster& cluste
     }
     const double tolerance = settled ? options_.settled_tolerance : options_.tolerance;
     if (settled || is_new || cluster.model != shown.model || has_new_points) {
-        if (!is_new && !model->points.empty()) fit_frame(shown, *model);
+        // As far as nobody sees.
+        const double still = kStill * tolerance * extent_of(shown);
+        if (settled || (!is_new && !model->points.empty() && fit_frame(shown, *model, still)))
+            shown.followed = {};
         if (!model->points.empty()) follow_points(id, shown, *model, sources, tolerance, changes);
         follow_poses(id, shown, *cluster.model, tolerance, changes);
     }
@@ -166,36 +172,40 @@ void ShownScene::follow_points(ClusterId id, Cluster& shown, const Reconstructio
                                const ModelSource& sources, double tolerance, std::string& changes) {
     const Sim3 shown_from_cluster = inverse(shown.cluster_from_shown);
     const double most = tolerance * extent_of(shown);
+    const bool anew = shown.followed.empty();
+    const BlockDifference differing = difference_between(shown.followed, model.points);
+    shown.followed = model.points;
     std::vector<bool> kept(shown.points.size(), false);
     std::vector<std::uint32_t> moved;
     std::vector<Point> added;
-    for (const ScenePoint& point : model.points) {
-        const auto slot = shown.slots.find(shown_key(point.track.front()));
-        if (slot == shown.slots.end()) {
-            added.push_back(shown_point(point, shown_from_cluster, sources));
-            continue;
-        }
-        kept[slot->second] = true;
-        Point& known = shown.points[slot->second];
-        const Eigen::Vector3f position = (shown_from_cluster * point.position).cast<float>();
-        if ((position - known.position).norm() > most) {
-            known.position = position;
-            moved.push_back(slot->second);
+    for (const PointBlockPtr& block : differing.come) {
+        for (const ScenePoint& point : block->points()) {
+            const auto slot = shown.slots.find(shown_key(point.track.front()));
+            if (slot == shown.slots.end()) {
+                added.push_back(shown_point(point, shown_from_cluster, sources));
+                continue;
+            }
+            kept[slot->second] = true;
+            Point& known = shown.points[slot->second];
+            const Eigen::Vector3f position = (shown_from_cluster * point.position).cast<float>();
+            if ((position - known.position).norm() > most) {
+                known.position = position;
+                moved.push_back(slot->second);
+            }
         }
     }
     std::vector<std::uint32_t> dropped;
-    for (std::uint32_t slot = 0; slot < kept.size(); ++slot) {
-        if (kept[slot] || !shown.points[slot].there) continue;
-        dropped.push_back(slot);
-        shown.slots.erase(shown.points[slot].key);
-        shown.points[slot].there = false;
+    if (anew) {
+        for (std::uint32_t slot = 0; slot < kept.size(); ++slot)
+            if (!kept[slot] && shown.points[slot].there) dropped.push_back(slot);
     }
-    if (!dropped.empty()) {
-        WireWriter writer;
-        writer.u32(static_cast<std::uint32_t>(dropped.size()));
-        writer.ascending(dropped);
-        append_part(changes, number_of(id), ChangeKind::kDrop, writer.bytes());
+    for (const PointBlockPtr& block : differing.gone) {
+        for (const ScenePoint& point : block->points()) {
+            const auto slot = shown.slots.find(shown_key(point.track.front()));
+            if (slot != shown.slots.end() && !kept[slot->second]) dropped.push_back(slot->second);
+        }
     }
+    drop_points(id, shown, std::move(dropped), changes);
     std::ranges::sort(moved);
     write_parts(changes, id, ChangeKind::kMove, move_contents(shown, moved));
     sort_for_wire(added);
@@ -207,6 +217,20 @@ void ShownScene::follow_points(ClusterId id, Cluster& shown, const Reconstructio
         shown.points.push_back(point);
     }
     write_parts(changes, id, ChangeKind::kPut, put_contents(shown, slots));
+}
+
+void ShownScene::drop_points(ClusterId id, Cluster& shown, std::vector<std::uint32_t> dropped,
+                             std::string& changes) {
+    if (dropped.empty()) return;
+    std::ranges::sort(dropped);
+    for (const std::uint32_t slot : dropped) {
+        shown.slots.erase(shown.points[slot].key);
+        shown.points[slot].there = false;
+    }
+    WireWriter writer;
+    writer.u32(static_cast<std::uint32_t>(dropped.size()));
+    writer.ascending(dropped);
+    append_part(changes, number_of(id), ChangeKind::kDrop, writer.bytes());
 }
 
 void ShownScene::follow_poses(ClusterId id, Cluster& shown, const Reconstruction& model,

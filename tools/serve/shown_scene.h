@@ -79,6 +79,8 @@ class ShownScene {
                 const ModelSource& sources, bool settled, std::string& changes);
     void follow_points(ClusterId id, Cluster& shown, const Reconstruction& model,
                        const ModelSource& sources, double tolerance, std::string& changes);
+    static void drop_points(ClusterId id, Cluster& shown, std::vector<std::uint32_t> dropped,
+                            std::string& changes);
     void follow_poses(ClusterId id, Cluster& shown, const Reconstruction& model, double tolerance,
                       std::string& changes);
 

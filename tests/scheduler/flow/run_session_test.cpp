@@ -42,11 +42,11 @@ TEST_F(RunSessionTest, PublishesAVersionAfterEveryImage) {
     }
 }
 
-/// Photographs, and then none until the session has reported them all.
+/// Photographs, and then none until the session is where one waits for it.
 class PausingSource final : public PhotoSource {
   public:
-    PausingSource(std::vector<PhotoFile> photos, const std::atomic<std::size_t>& reported)
-        : photos_(std::move(photos)), reported_(&reported) {}
+    PausingSource(std::vector<PhotoFile> photos, std::function<bool()> is_there)
+        : photos_(std::move(photos)), is_there_(std::move(is_there)) {}
 
     Next next(PhotoFile& photo) override {
         constexpr int kMostPolls = 600;
@@ -54,7 +54,7 @@ class PausingSource final : public PhotoSource {
             photo = photos_[handed_on_++];
             return Next::kPhoto;
         }
-        if (reported_->load() == photos_.size()) return Next::kEnd;
+        if (is_there_()) return Next::kEnd;
         gave_up_ = ++polls_ == kMostPolls;
         return gave_up_ ? Next::kEnd : Next::kLater;
     }
@@ -62,7 +62,7 @@ class PausingSource final : public PhotoSource {
 
   private:
     std::vector<PhotoFile> photos_;
-    const std::atomic<std::size_t>* reported_;
+    std::function<bool()> is_there_;
     std::size_t handed_on_ = 0;
     int polls_ = 0;
     bool gave_up_ = false;
@@ -70,15 +70,18 @@ class PausingSource final : public PhotoSource {
 
 class Counter final : public SessionObserver {
   public:
-    void on_publish(const PublishMessage& publish) override { images += publish.images.size(); }
-    std::atomic<std::size_t> images = 0;
+    void on_publish(const PublishMessage& publish) override {
+        images += publish.images.size();
+        settled = publish.counts.solves_settle;
+    }
+    std::atomic<std::size_t> images = 0, settled = 0;
 };
 
 TEST_F(RunSessionTest, PublishesAllThatIsThereWhenNoPhotographComesForTheTimeBeing) {
     auto store = SessionStore::open(fresh("pausing"), {});
     ASSERT_TRUE(store.ok()) << store.error().message;
     Counter counter;
-    PausingSource source(photos(), counter.images);
+    PausingSource source(photos(), [&] { return counter.images == 9; });
     ExecutionOptions execution;
     execution.threads = 2;
     execution.rest_per_merge = 1e9;  // no version but of what is at rest
@@ -87,6 +90,42 @@ TEST_F(RunSessionTest, PublishesAllThatIsThereWhenNoPhotographComesForTheTimeBei
     ASSERT_TRUE(run.ok()) << run.error().message;
     EXPECT_FALSE(source.gave_up());
     EXPECT_EQ(counter.images.load(), 9U);
+}
+
+TEST_F(RunSessionTest, SettlesWhenNoPhotographHasComeForLongAndGoesOn) {
+    auto store = SessionStore::open(fresh("resting"), {});
+    ASSERT_TRUE(store.ok()) << store.error().message;
+    Counter counter;
+    std::vector<PhotoFile> first = photos();
+    const std::vector<PhotoFile> rest(first.begin() + 7, first.end());
+    first.resize(7);
+    PausingSource before(first, [&] { return counter.images == 7 && counter.settled == 1; });
+    PausingSource after(rest, [&] { return counter.images == 9 && counter.settled == 2; });
+    class Both final : public PhotoSource {
+      public:
+        Both(PhotoSource& first, PhotoSource& then) : first_(&first), then_(&then) {}
+        Next next(PhotoFile& photo) override {
+            if (first_ != nullptr) {
+                const Next next = first_->next(photo);
+                if (next != Next::kEnd) return next;
+                first_ = nullptr;
+            }
+            return then_->next(photo);
+        }
+
+      private:
+        PhotoSource *first_, *then_;
+    } source(before, after);
+    ExecutionOptions execution;
+    execution.threads = 2;
+    execution.settle_after_seconds = 0.3;
+    const std::atomic<bool> stop = false;
+    const auto run = run_session(**store, {}, execution, source, counter, stop);
+    ASSERT_TRUE(run.ok()) << run.error().message;
+    EXPECT_FALSE(before.gave_up()) << "the first seven never settled";
+    EXPECT_FALSE(after.gave_up()) << "all nine never settled";
+    EXPECT_EQ(run->counts.placed, 9U);
+    EXPECT_EQ(run->counts.solves_settle, 2U) << "nothing was left to settle at the end";
 }
 
 TEST_F(RunSessionTest, TellsWhatItsNodesDid) {

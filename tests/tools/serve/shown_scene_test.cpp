@@ -219,5 +219,33 @@ TEST(ShownScene, ARestingClusterKeepsItsPoints) {
     EXPECT_EQ(stage.watcher.point_count(), 100U);
 }
 
+TEST(ShownScene, AModelThatKeepsMostOfItsPointsIsFollowedByWhatDiffers) {
+    Stage stage;
+    Reconstruction model = model_of({0, 1, 2, 3}, 5000, 9);
+    stage.show({{1, model}});
+    // Every fifth of the first thousand goes, the first of what stays moves, two more come.
+    std::vector<std::uint8_t> removed(5000, 0);
+    for (std::size_t i = 0; i < 1000; i += 5) removed[i] = 1;
+    removed[1] = 1;
+    ScenePoint moved = model.points[1];
+    moved.position.x() += 0.5;
+    std::vector<ScenePoint> more{moved};
+    for (std::uint32_t k = 0; k < 2; ++k) {
+        ScenePoint point;
+        point.position = {0.5, 0.25 * k, 0.5};
+        point.track = {{ImageId{0}, 6000 + k}, {ImageId{1}, 6000 + k}};
+        more.push_back(point);
+    }
+    model.points = model.points.without(removed);
+    model.points.append(ScenePoints(std::move(more)));
+    stage.show({{1, model}});
+    EXPECT_EQ(stage.watcher.point_count(), 4802U);
+    EXPECT_EQ(stage.watcher.points_moved, 1U);
+    EXPECT_LT(stage.worst(1, model), 3e-3);
+    stage.show({{1, model}}, true);
+    EXPECT_EQ(stage.watcher.point_count(), 4802U);
+    EXPECT_LT(stage.worst(1, model), 3e-4);
+}
+
 }  // namespace
 }  // namespace psfm
