@@ -27,7 +27,7 @@ class ImagePlaces {
     }
 
   private:
-    static constexpr std::uint32_t kNone = ~0U;
+    static constexpr std::uint32_t kNone = ~0U;  // Format: of a place that there is not
     std::vector<std::uint32_t> places_;
 };
 
