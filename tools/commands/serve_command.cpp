@@ -3,9 +3,13 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <charconv>
 #include <ctime>
+#include <iomanip>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <sstream>
 
 #include "storage/database/session_folder.h"
 #include "storage/session/session_store.h"
@@ -20,22 +24,50 @@ namespace {
 
 struct ServeArguments {
     ServeRequest serve;
-    std::string add_user, remove_user, role = "send";
+    std::optional<std::string> add_user, remove_user;
+    std::string role = "send";
     double days = 0.0;
     std::string link;
     bool list_users = false;
 };
 
-/// Users come before the first photograph, so a new folder becomes a session for them.
+/// Users come before the first photograph, so a new folder becomes a session for a new one.
 Result<std::unique_ptr<Users>> users_of(const ServeArguments& arguments) {
     const std::string& session = arguments.serve.session;
     const auto state = inspect_session_folder(session);
     if (!state.ok()) return state.error();
+    if (*state == FolderState::kNew && !arguments.add_user) {
+        return Error{ErrorCode::kNotFound,
+                     session + " is no session; give the folder that psfm serve has"};
+    }
     if (*state == FolderState::kNew) {
         if (const auto made = SessionStore::open(session, StoreOptions{}); !made.ok())
             return made.error();
     }
     return Users::open(session);
+}
+
+bool is_of_this_machine(const std::string& listen) {
+    return listen.starts_with("127.") || listen.starts_with("[::1]") ||
+           listen.starts_with("0.0.0.0:") || listen.starts_with("[::]:");
+}
+
+/// What CLI11 says of an option's text; empty: it will do.
+std::string days_problem(const std::string& text) {
+    constexpr double kMost = 36500.0;  // Guard: a century; more could not be counted in seconds
+    double days = 0.0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), days);
+    const bool is_number = read.ec == std::errc() && read.ptr == text.data() + text.size();
+    if (is_number && days >= 0.0 && days <= kMost) return {};
+    return "wants a number of days from 0 (for ever) to 36500, not " + text;
+}
+
+std::string link_problem(const std::string& text) {
+    for (const std::string_view scheme : {"http://", "https://"}) {
+        if (text.starts_with(scheme) && text.find_first_not_of('/', scheme.size()) != text.npos)
+            return {};
+    }
+    return "begins with http:// or https:// and a name, e.g. https://photos.example.org";
 }
 
 int add_user(const ServeArguments& arguments) {
@@ -47,22 +79,51 @@ int add_user(const ServeArguments& arguments) {
             ? std::time(nullptr) + static_cast<std::int64_t>(arguments.days * kSecondsOfADay)
             : 0;
     const auto role = *role_from_name(arguments.role);
-    const auto token = (*users)->add(arguments.add_user, role, expires);
+    const auto token = (*users)->add(*arguments.add_user, role, expires);
     if (!token.ok()) return report_error(token.error(), ErrorOrigin::kOtherInput);
-    const std::string base =
-        arguments.link.empty() ? "http://" + arguments.serve.listen : arguments.link;
+    std::string base = arguments.link.empty() ? "http://" + arguments.serve.listen : arguments.link;
+    while (base.ends_with('/')) base.pop_back();
     const std::string link =
         base + (role == UserRole::kLook ? "/" : "/capture") + "#token=" + *token;
-    std::cout << link << '\n' << qr_code(link);
+    std::cout << link << '\n' << qr_code(link) << std::flush;
+    if (arguments.link.empty() && is_of_this_machine(arguments.serve.listen)) {
+        std::cerr << "psfm: this link works on this machine only; --link https://NAME makes one "
+                     "for others\n";
+    }
+    return 0;
+}
+
+std::string time_text(std::int64_t seconds) {
+    const auto time = static_cast<std::time_t>(seconds);
+    std::tm local{};
+    std::ostringstream text;
+    text << std::put_time(localtime_r(&time, &local), "%Y-%m-%d %H:%M");
+    return text.str();
+}
+
+int list_users(const ServeArguments& arguments) {
+    const auto users = users_of(arguments);
+    if (!users.ok()) return report_error(users.error(), ErrorOrigin::kOtherInput);
+    for (const User& user : (*users)->all()) {
+        if (user.removed) continue;
+        std::cout << user.name << ", " << role_name(user.role);
+        if (user.since != 0) std::cout << ", since " << time_text(user.since);
+        if (user.expires != 0) {
+            const bool is_over = user.expires < std::time(nullptr);
+            std::cout << (is_over ? ", expired " : ", expires ") << time_text(user.expires);
+        }
+        std::cout << '\n';
+    }
     return 0;
 }
 
 int serve(const ServeArguments& arguments) {
-    if (!arguments.add_user.empty()) return add_user(arguments);
-    if (!arguments.remove_user.empty()) {
+    if (arguments.add_user) return add_user(arguments);
+    if (arguments.list_users) return list_users(arguments);
+    if (arguments.remove_user) {
         const auto users = users_of(arguments);
         if (!users.ok()) return report_error(users.error(), ErrorOrigin::kOtherInput);
-        const auto removed = (*users)->remove(arguments.remove_user);
+        const auto removed = (*users)->remove(*arguments.remove_user);
         return removed.ok() ? 0 : report_error(removed.error(), ErrorOrigin::kOtherInput);
     }
     return serve_session(arguments.serve);
@@ -93,19 +154,26 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->capture_default_str();
     auto* add = command->add_option("--add-user", arguments->add_user,
                                     "Make a user, print his link and its QR code, and end");
+    auto* remove = command
+                       ->add_option("--remove-user", arguments->remove_user,
+                                    "Take a user's link back, and end; what he has sent stays")
+                       ->excludes(add);
     command
-        ->add_option("--remove-user", arguments->remove_user,
-                     "Take a user's link back, and end; what he has sent stays")
-        ->excludes(add);
+        ->add_flag("--list-users", arguments->list_users,
+                   "Print everybody whose link was not taken back, with role and dates, and end")
+        ->excludes(add)
+        ->excludes(remove);
     command
         ->add_option("--role", arguments->role,
                      "Of the new user: look, send (and look), owner (and everything else)")
         ->check(CLI::IsMember({"look", "send", "owner"}))
         ->capture_default_str();
-    command->add_option("--days", arguments->days,
-                        "So long the new user's link holds; 0: for ever");
-    command->add_option("--link", arguments->link,
-                        "What the new user's link begins with, e.g. https://photos.example.org");
+    command->add_option("--days", arguments->days, "So long the new user's link holds; 0: for ever")
+        ->check(days_problem);
+    command
+        ->add_option("--link", arguments->link,
+                     "What the new user's link begins with, e.g. https://photos.example.org")
+        ->check(link_problem);
     command->footer(
         "Examples:\n"
         "  psfm serve --session castle --add-user Ada --link https://photos.example.org\n"

@@ -72,10 +72,11 @@ std::string host_of(const Address& address) {
 /// What browsers may call a server that listens there.
 std::set<std::string> hosts_of(const Address& address, std::uint16_t port,
                                const std::vector<std::string>& more) {
-    std::set<std::string> hosts(more.begin(), more.end());
+    std::set<std::string> hosts;
+    for (const std::string& name : more) hosts.insert(small_letters(name));
     const auto suffix = std::string(":").append(std::to_string(port));  // GCC bug 105329
     for (const char* name : {"localhost", "127.0.0.1", "[::1]"}) hosts.insert(name + suffix);
-    hosts.insert(host_of(address).append(suffix));
+    hosts.insert(small_letters(host_of(address)).append(suffix));
     return hosts;
 }
 
@@ -160,6 +161,15 @@ std::string same_again(const ServeRequest& request) {
     return words;
 }
 
+/// Of a failure that names the way on, ours.
+Error to_go_on(Error error, const ServeRequest& request) {
+    constexpr std::string_view kResume =
+        "run 'psfm resume'";  // Format: what the engine's errors say
+    if (const auto at = error.message.find(kResume); at != std::string::npos)
+        error.message.replace(at, kResume.size(), "run: " + same_again(request));
+    return error;
+}
+
 }  // namespace
 
 int serve_session(const ServeRequest& request) {
@@ -180,7 +190,7 @@ int serve_session(const ServeRequest& request) {
             ErrorOrigin::kOtherInput);
     }
     auto store = SessionStore::open(request.session, StoreOptions{});
-    if (!store.ok()) return report_error(store.error());
+    if (!store.ok()) return report_error(to_go_on(store.error(), request));
     served.store = *std::move(store);
     UploadLimits limits;
     limits.quota_bytes = request.quota_mib << 20U;
@@ -189,9 +199,9 @@ int serve_session(const ServeRequest& request) {
     if (!uploads.ok()) return report_error(uploads.error(), ErrorOrigin::kOtherInput);
     served.uploads = *std::move(uploads);
     const auto config = config_of(*served.store, served.uploads->folder());
-    if (!config.ok()) return report_error(config.error());
+    if (!config.ok()) return report_error(to_go_on(config.error(), request));
     const auto known = known_names(*served.store);
-    if (!known.ok()) return report_error(known.error());
+    if (!known.ok()) return report_error(to_go_on(known.error(), request));
     served.uploads->queue_missing(*known);
     std::unique_ptr<EventLog> log;
     if (!request.log.empty()) {
@@ -208,7 +218,7 @@ int serve_session(const ServeRequest& request) {
     served.api = std::make_unique<Api>(
         ApiParts{served.store.get(), served.live.get(), served.uploads.get(), served.users.get(),
                  request.session, hosts_of(*address, served.server->port(), request.hosts),
-                 thumbnail_in_sandbox});
+                 thumbnail_in_sandbox, served.server->is_loopback()});
     served.server->start(*served.api, *served.events);
     tell_address(*address, served.server->port());
 
@@ -230,7 +240,7 @@ int serve_session(const ServeRequest& request) {
         if (run.ok()) progress.on_end(*run);
     }
     served.server->stop();
-    if (!run.ok()) return report_error(run.error());
+    if (!run.ok()) return report_error(to_go_on(run.error(), request));
     for (const std::string& remark : run->remarks) std::cerr << "psfm: " << remark << '\n';
     std::cerr << "psfm: stopped on request; everything acknowledged is stored. Go on with: "
               << same_again(request) << '\n';

@@ -56,12 +56,18 @@ std::string token_of(const HttpRequest& request) {
     return cookie_of(request.header("cookie"), kCookie);
 }
 
+bool is_of_photographs(std::string_view path) {
+    if (!path.starts_with(kApi)) return false;
+    path.remove_prefix(kApi.size());
+    return path == "/photographs" || path.starts_with("/photographs/");
+}
+
 }  // namespace
 
 /// Requests that other sites make a browser send, and names that somebody else has given to this
 /// address, are nobody's.
 std::optional<HttpResponse> Api::stranger(const HttpRequest& head) const {
-    const std::string host(head.header("host"));
+    const std::string host = small_letters(head.header("host"));
     const std::string name =
         host.ends_with(']')
             ? host
@@ -73,7 +79,7 @@ std::optional<HttpResponse> Api::stranger(const HttpRequest& head) const {
     const bool is_reading = head.method == "GET" || head.method == "HEAD";
     if (is_foreign && (!is_reading || head.path.starts_with(kApi)))
         return problem(403, "requests of other sites are not answered");
-    const std::string_view origin = head.header("origin");
+    const std::string origin = small_letters(head.header("origin"));
     if (!origin.empty() && origin != "http://" + host && origin != "https://" + host)
         return problem(403, "requests of other sites are not answered");
     if (!head.header("content-encoding").empty() && head.header("content-encoding") != "identity")
@@ -81,47 +87,56 @@ std::optional<HttpResponse> Api::stranger(const HttpRequest& head) const {
     return std::nullopt;
 }
 
-bool Api::may_try(const std::string& address) {
-    constexpr int kFailuresAMinute = 10;  // Guard: of an address that tries tokens
-    const std::lock_guard lock(mutex_);
-    const std::int64_t minute = std::time(nullptr) / 60;
-    std::erase_if(failures_, [&](const auto& entry) { return entry.second.minute != minute; });
-    const auto known = failures_.find(address);
-    return known == failures_.end() || known->second.count < kFailuresAMinute;
+bool Api::is_open() const {
+    return parts_.users == nullptr || (parts_.is_loopback && !parts_.users->had_any());
 }
 
-Api::Caller Api::caller_of(const HttpRequest& head) {
-    if (parts_.users == nullptr || parts_.users->empty())
-        return {{0, "owner", UserRole::kOwner, {}, 0, false}, true};
+std::optional<User> Api::caller_of(const HttpRequest& head) const {
+    if (is_open()) return User{0, "owner", UserRole::kOwner, {}, 0, false, 0};
     const std::string token = token_of(head);
-    if (token.empty()) return {};
-    if (const auto user = parts_.users->of_token(token)) return {*user, true};
-    const std::lock_guard lock(mutex_);
-    Failures& failures = failures_[head.address];
-    failures.minute = std::time(nullptr) / 60;
-    ++failures.count;
-    return {};
+    return token.empty() ? std::nullopt : parts_.users->of_token(token);
+}
+
+std::function<bool()> Api::still_holds(const User& user) const {
+    return [this, number = user.number] { return is_open() || parts_.users->is_valid(number); };
+}
+
+HttpResponse Api::refuse_caller(const HttpRequest& head, const std::string& why) {
+    constexpr int kFailuresAMinute = 10;  // Guard: of an address that tries tokens
+    if (!token_of(head).empty()) {
+        const std::lock_guard lock(mutex_);
+        const std::int64_t minute = std::time(nullptr) / 60;
+        std::erase_if(failures_, [&](const auto& entry) { return entry.second.minute != minute; });
+        Failures& failures = failures_[head.address];
+        failures.minute = minute;
+        if (++failures.count > kFailuresAMinute) {
+            HttpResponse response = problem(429, "too many wrong tokens from this address");
+            response.headers.emplace_back("Retry-After", "60");
+            return response;
+        }
+    }
+    HttpResponse response = problem(401, why);
+    response.headers.emplace_back("WWW-Authenticate", "Bearer");
+    return response;
 }
 
 HttpPlan Api::plan(const HttpRequest& head) {
+    HttpPlan plan = plan_api(head);
+    if (is_of_photographs(head.path)) plan.headers = {{"Tus-Resumable", "1.0.0"}};
+    return plan;
+}
+
+HttpPlan Api::plan_api(const HttpRequest& head) {
     if (auto refusal = stranger(head)) return at_once(*std::move(refusal));
     if (!head.path.starts_with(std::string(kApi) + "/")) return plan_page(head);
-    if (!may_try(head.address)) {
-        HttpResponse response = problem(429, "too many wrong tokens from this address");
-        response.headers.emplace_back("Retry-After", "60");
-        return at_once(std::move(response));
-    }
     const std::string path = head.path.substr(kApi.size());
     if (path == "/login") return plan_login(head);
-    const Caller caller = caller_of(head);
-    if (!caller.is_known) {
-        HttpResponse response = problem(401, "this wants the link that you were given");
-        response.headers.emplace_back("WWW-Authenticate", "Bearer");
-        return at_once(std::move(response));
-    }
-    if (path == "/photographs" || path.starts_with("/photographs/"))
-        return plan_photograph(head, caller.user);
-    return plan_read(head, caller.user);
+    const auto caller = caller_of(head);
+    if (!caller) return at_once(refuse_caller(head, "this wants the link that you were given"));
+    HttpPlan plan =
+        is_of_photographs(head.path) ? plan_photograph(head, *caller) : plan_read(head, *caller);
+    plan.may_go_on = still_holds(*caller);
+    return plan;
 }
 
 HttpPlan Api::plan_page(const HttpRequest& head) const {
@@ -186,12 +201,12 @@ HttpPlan Api::plan_login(const HttpRequest& head) {
             return problem(400, "a token is wanted");
         HttpRequest with_token = request;
         with_token.headers["authorization"] = "Bearer " + object["token"].get<std::string>();
-        const Caller caller = caller_of(with_token);
-        if (!caller.is_known) return problem(401, "the link has expired, or was never one");
-        HttpResponse response =
-            json_response(200, nlohmann::ordered_json{{"name", caller.user.name},
-                                                      {"role", role_name(caller.user.role)}}
-                                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+        const auto caller = caller_of(with_token);
+        if (!caller) return refuse_caller(with_token, "the link has expired, or was never one");
+        HttpResponse response = json_response(
+            200,
+            nlohmann::ordered_json{{"name", caller->name}, {"role", role_name(caller->role)}}.dump(
+                -1, ' ', false, nlohmann::json::error_handler_t::replace));
         response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" +
                                                         object["token"].get<std::string>() +
                                                         "; Max-Age=31536000" + attributes);

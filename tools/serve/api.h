@@ -23,10 +23,11 @@ struct ApiParts {
     UploadStore* uploads = nullptr;  ///< null: nobody may send
     Users* users = nullptr;          ///< null: whoever comes is the owner (read-only, loopback)
     std::filesystem::path session;
-    /// What a request's Host may be: "NAME:PORT", or "NAME" for every port.
+    /// What a request's Host may be, in small letters: "NAME:PORT", or "NAME" for every port.
     std::set<std::string> hosts;
     /// Makes a small JPEG of a photograph, in a process that is held down. Empty: no thumbnails.
     std::function<std::optional<std::string>(const std::filesystem::path&)> thumbnail;
+    bool is_loopback = true;  ///< else nobody is the owner without a token, ever
 };
 
 /// The pages and /api/v1 (docs/openapi.json, docs/serve.md): who may ask for what.
@@ -36,13 +37,16 @@ class Api final : public HttpApplication {
     HttpPlan plan(const HttpRequest& head) override;
 
   private:
-    struct Caller {
-        User user;
-        bool is_known = false;
-    };
     std::optional<HttpResponse> stranger(const HttpRequest& head) const;
-    Caller caller_of(const HttpRequest& head);
-    bool may_try(const std::string& address);
+    /// @return nothing: he has no token that holds
+    std::optional<User> caller_of(const HttpRequest& head) const;
+    /// The answer to a caller who is nobody; counts what he has tried.
+    HttpResponse refuse_caller(const HttpRequest& head, const std::string& why);
+    /// Whoever comes is the owner.
+    bool is_open() const;
+    /// Asked while a request lasts: whether its caller may still do what it does.
+    std::function<bool()> still_holds(const User& user) const;
+    HttpPlan plan_api(const HttpRequest& head);
     HttpPlan plan_page(const HttpRequest& head) const;
     HttpPlan plan_login(const HttpRequest& head);
     HttpPlan plan_read(const HttpRequest& head, const User& user);

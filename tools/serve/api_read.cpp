@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What is read of a session, and photographs that are sent to it.
+// What is read of a session.
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "scheduler/session/photo_folders.h"
 #include "tools/report/json_text.h"
@@ -23,26 +21,10 @@ using nlohmann::ordered_json;
 
 constexpr std::string_view kOctets = "application/octet-stream";
 
-std::optional<std::uint64_t> number_in(std::string_view text) {
-    std::uint64_t number = 0;
-    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-        return std::nullopt;
-    return number;
-}
-
 std::optional<std::uint32_t> id_in(std::string_view text) {
     const auto number = number_in(text);
     if (!number || *number > 0xffffffffU) return std::nullopt;
     return static_cast<std::uint32_t>(*number);
-}
-
-std::vector<std::string> parts_of(const std::string& path) {
-    std::vector<std::string> parts;
-    std::istringstream stream(path);
-    std::string part;
-    while (std::getline(stream, part, '/')) parts.push_back(part);
-    return parts;
 }
 
 HttpResponse octets(const LiveSession::Bytes& bytes, const HttpRequest& request) {
@@ -58,16 +40,6 @@ HttpResponse octets(const LiveSession::Bytes& bytes, const HttpRequest& request)
         response.body = bytes.plain;
     }
     return response;
-}
-
-/// What a photograph is called by who sends it: for people, one line of at most 200 bytes.
-std::string title_of(const HttpRequest& head) {
-    std::string title;
-    if (const auto name = head.query.find("name"); name != head.query.end()) title = name->second;
-    std::erase_if(title, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
-    constexpr std::size_t kLongest = 200;  // Guard: bounds what a user may write
-    if (title.size() > kLongest) title.resize(kLongest);
-    return title;
 }
 
 const SceneCluster* cluster_with(const Scene& scene, ImageId image) {
@@ -113,56 +85,6 @@ HttpPlan Api::plan_read(const HttpRequest& head, const User& user) {
     if (parts.size() == 6 && what == "pairs" && id(4) && id(5))
         return of_model([this, a = *id(4), b = *id(5)](const HttpRequest&) { return pair(a, b); });
     return at_once(problem(404, "there is nothing of this name in the API"));
-}
-
-HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
-    if (parts_.uploads == nullptr) return at_once(problem(404, "this server takes no photographs"));
-    if (user.role == UserRole::kLook)
-        return at_once(problem(403, "your link is for looking; ask for one to send"));
-    const auto parts = parts_of(head.path);
-    if (parts.size() == 4) {
-        if (head.method != "GET" && head.method != "HEAD")
-            return at_once(problem(405, "the list of your photographs is only read"));
-        return by_work([this, user](const HttpRequest&) { return mine(user); });
-    }
-    if (parts.size() != 5 || !is_sha256(parts[4]))
-        return at_once(problem(404, "a photograph is called by its SHA-256, in small letters"));
-    const std::string& sha256 = parts[4];
-    if (head.method == "HEAD") {
-        const auto progress = parts_.uploads->progress(user.number, sha256);
-        if (!progress.complete && progress.offset == 0)
-            return at_once(problem(404, "nothing of this photograph is here"));
-        HttpResponse response;
-        response.length = 0;
-        response.headers = {{"Upload-Offset", std::to_string(progress.offset)},
-                            {"Cache-Control", "no-store"},
-                            {"Tus-Resumable", "1.0.0"}};
-        if (progress.complete)
-            response.headers.emplace_back("Upload-Length", std::to_string(progress.offset));
-        return at_once(std::move(response));
-    }
-    UploadStore::Offer offer{user.number, sha256, title_of(head), 0, 0};
-    if (head.method == "PUT") {
-        if (!head.has_length) return at_once(problem(411, "Content-Length is wanted"));
-        offer.length = head.content_length;
-    } else if (head.method == "PATCH") {
-        if (!head.header("content-type").starts_with("application/offset+octet-stream"))
-            return at_once(problem(415, "application/offset+octet-stream is wanted"));
-        const auto offset = number_in(head.header("upload-offset"));
-        const auto length = number_in(head.header("upload-length"));
-        if (!offset || !length)
-            return at_once(problem(400, "Upload-Offset and Upload-Length are wanted"));
-        offer.offset = *offset;
-        offer.length = *length;
-    } else {
-        return at_once(problem(405, "HEAD, PATCH and PUT are what a photograph takes"));
-    }
-    UploadStore::Admission admission = parts_.uploads->admit(offer);
-    if (admission.refusal) return at_once(*std::move(admission.refusal));
-    HttpPlan plan;
-    plan.sink = std::move(admission.sink);
-    plan.most_body = static_cast<std::size_t>(offer.length - std::min(offer.offset, offer.length));
-    return plan;
 }
 
 HttpResponse Api::session(const User& user, const HttpRequest& request) const {
@@ -320,22 +242,6 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
                         {"Cache-Control", "private, max-age=86400"}};
     response.body = std::make_shared<const std::string>(std::move(bytes));
     return response;
-}
-
-HttpResponse Api::mine(const User& user) const {
-    std::map<std::string, ImageFact> by_name;
-    for (ImageFact& fact : parts_.live->facts()) by_name.emplace(fact.name, std::move(fact));
-    ordered_json photographs = ordered_json::array();
-    for (const Upload& upload : parts_.uploads->uploads()) {
-        if (upload.user != user.number) continue;
-        ordered_json entry{{"sha256", upload.sha256}, {"name", upload.title}};
-        const auto fact = by_name.find(upload.file);
-        entry["state"] = fact == by_name.end() ? "queued" : state_name(fact->second.state);
-        entry["words"] = fact == by_name.end() ? "is about to be looked at" : fact->second.words;
-        entry["advice"] = fact == by_name.end() ? "" : fact->second.advice;
-        photographs.push_back(std::move(entry));
-    }
-    return json_response(200, text_of({{"photographs", std::move(photographs)}}));
 }
 
 }  // namespace psfm

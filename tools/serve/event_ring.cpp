@@ -57,4 +57,31 @@ std::optional<std::uint64_t> EventRing::number_of(const std::string& id) const {
     return number;
 }
 
+EventStream::EventStream(const EventRing& events, const std::string& last_id)
+    : events_(&events), number_(events.last()) {
+    if (last_id.empty()) {
+        beginning_ += events.text_of({number_, "hello", "{}"});
+        return;
+    }
+    const auto known = events.number_of(last_id);
+    if (known && *known <= number_)
+        number_ = *known;
+    else
+        beginning_ += events.text_of({number_, "reset", "{}"});
+}
+
+std::string EventStream::next() {
+    const auto events = events_->after(number_);
+    if (!events) {
+        number_ = events_->last();
+        return events_->text_of({number_, "reset", "{}"});
+    }
+    std::string text;
+    for (const EventRing::Event& event : *events) {
+        text += events_->text_of(event);
+        number_ = event.number;
+    }
+    return text;
+}
+
 }  // namespace psfm

@@ -50,4 +50,22 @@ class EventRing {
     std::function<void()> wake_;
 };
 
+/// What one watcher is sent of a ring's events, in order: text as it stands in the stream.
+class EventStream {
+  public:
+    /// @param events   outlives this
+    /// @param last_id  of the last event that the watcher has; empty: none
+    EventStream(const EventRing& events, const std::string& last_id);
+
+    /// How the stream begins.
+    const std::string& beginning() const { return beginning_; }
+    /// What has happened since the last call; empty: nothing.
+    std::string next();
+
+  private:
+    const EventRing* events_;
+    std::uint64_t number_ = 0;
+    std::string beginning_ = "retry: 2000\n";
+};
+
 }  // namespace psfm

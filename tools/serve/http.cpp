@@ -3,8 +3,10 @@
 #include "tools/serve/http.h"
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 namespace psfm {
 namespace {
@@ -72,6 +74,12 @@ std::string_view status_text(unsigned status) {
     return found == kTexts.end() ? std::string_view("Unknown") : found->second;
 }
 
+std::string small_letters(std::string_view text) {
+    std::string small(text);
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return small;
+}
+
 bool may_have_body(const HttpResponse& response) {
     return response.status != 204 && response.status != 304;
 }
@@ -122,11 +130,26 @@ void add_security_headers(HttpResponse& response) {
          {"Cross-Origin-Resource-Policy", "same-origin"}});
 }
 
+std::optional<std::uint64_t> number_in(std::string_view text) {
+    std::uint64_t number = 0;
+    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+        return std::nullopt;
+    return number;
+}
+
+std::vector<std::string> parts_of(const std::string& path) {
+    std::vector<std::string> parts;
+    std::istringstream stream(path);
+    std::string part;
+    while (std::getline(stream, part, '/')) parts.push_back(part);
+    return parts;
+}
+
 bool add_header(std::string_view name, std::string_view value, HttpRequest& request) {
     static const std::set<std::string> kOnce{"host",          "authorization", "origin",
                                              "upload-offset", "upload-length", "content-type"};
-    std::string small(name);
-    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string small = small_letters(name);
     const auto [known, is_new] = request.headers.emplace(small, std::string(value));
     if (is_new) return true;
     if (kOnce.contains(small)) return false;

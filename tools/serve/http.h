@@ -68,6 +68,10 @@ struct HttpPlan {
     std::unique_ptr<BodySink> sink;                        ///< takes the body
     bool events = false;                                   ///< the stream of events begins
     std::size_t most_body = 0;                             ///< of `work` and `sink`
+    /// Of a stream and a body, asked while they last: else the stream ends, and the body is not
+    /// taken. Takes no time. Empty: yes.
+    std::function<bool()> may_go_on;
+    std::vector<std::pair<std::string, std::string>> headers;  ///< of the answer, whichever it is
 };
 
 inline HttpPlan at_once(HttpResponse response) {
@@ -95,6 +99,8 @@ class HttpApplication {
 /// RFC 9457: {"type":"about:blank","title":…,"status":…,"detail":…}.
 HttpResponse problem(unsigned status, const std::string& detail);
 HttpResponse json_response(unsigned status, std::string body);
+/// Names of hosts and headers mean the same in letters of any size.
+std::string small_letters(std::string_view text);
 /// What every answer carries: no sniffing, no referrer, a policy that lets nothing in from outside.
 void add_security_headers(HttpResponse& response);
 std::string_view status_text(unsigned status);
@@ -106,6 +112,11 @@ std::string head_text(const HttpResponse& response, std::optional<std::uint64_t>
 
 /// @return false: the header is there already, and one of the two is meant for somebody else
 bool add_header(std::string_view name, std::string_view value, HttpRequest& request);
+
+/// All of it a number in decimal digits; else nothing.
+std::optional<std::uint64_t> number_in(std::string_view text);
+/// What stands between a path's slashes; the first is empty.
+std::vector<std::string> parts_of(const std::string& path);
 
 /// Path and query of a request's target; nothing when it is no origin form, or holds an escape or a
 /// byte that has no business there.

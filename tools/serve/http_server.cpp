@@ -4,6 +4,7 @@
 // The only source that includes Boost.Beast: it takes 20 s to compile.
 #include "tools/serve/http_server.h"
 
+#include <algorithm>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -24,6 +25,8 @@
 #include <thread>
 #include <utility>  // Boost 1.74's awaitable.hpp wants it before itself with g++ 12
 
+#include "tools/serve/request_pace.h"
+
 namespace psfm {
 namespace {
 
@@ -37,11 +40,6 @@ using Parser = bhttp::request_parser<bhttp::buffer_body>;
 constexpr std::size_t kChunk = 64 * 1024;  // Guard: of a body that is in memory at a time
 auto into(error_code& error) {
     return net::redirect_error(net::use_awaitable, error);
-}
-
-std::chrono::steady_clock::duration seconds(double value) {
-    return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-        std::chrono::duration<double>(value));
 }
 
 std::string_view view_of(beast::string_view text) {
@@ -142,9 +140,16 @@ class Server final : public HttpServer {
         beast::tcp_stream stream(std::move(socket));
         const Counted counted(*this, stream, address);
         beast::flat_buffer buffer;
+        RequestPace pace(limits_.requests_per_second);
+        net::steady_timer pause(io_);
         bool go_on = true;
-        for (bool first = true; go_on && !stopping_; first = false)
+        for (bool first = true; go_on && !stopping_; first = false) {
             go_on = co_await exchange(stream, buffer, address, first);
+            const auto wait = pace.next(std::chrono::steady_clock::now());
+            if (!go_on || wait == wait.zero()) continue;
+            pause.expires_after(wait);
+            co_await pause.async_wait(into(ignored));
+        }
         stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
     }
 
@@ -174,16 +179,21 @@ class Server final : public HttpServer {
             request->has_length = true;
         }
         HttpPlan plan = application_->plan(*request);
+        const auto reply = [&](HttpResponse response, bool keep_alive) {
+            response.headers.insert(response.headers.end(), plan.headers.begin(),
+                                    plan.headers.end());
+            return answer(stream, *request, std::move(response), keep_alive);
+        };
         const bool has_body = !parser.is_done();
         if (plan.answer) {
             // A body that nobody wants is not waited for.
             if (has_body) plan.answer->close = true;
-            co_return co_await answer(stream, *request, *plan.answer, parser.keep_alive());
+            co_return co_await reply(*plan.answer, parser.keep_alive());
         }
-        if (plan.events) co_return co_await stream_events(stream, *request);
+        if (!plan.may_go_on) plan.may_go_on = [] { return true; };
+        if (plan.events) co_return co_await stream_events(stream, *request, plan.may_go_on);
         if (request->content_length > plan.most_body) {
-            co_return co_await answer(stream, *request, parse_problem(bhttp::error::body_limit),
-                                      false);
+            co_return co_await reply(parse_problem(bhttp::error::body_limit), false);
         }
         if (has_body && request->header("expect") == "100-continue") {
             static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -193,13 +203,13 @@ class Server final : public HttpServer {
         }
         HttpResponse response;
         const bool whole = co_await read_body(stream, buffer, parser, *request, plan, response);
-        if (!whole) co_return co_await answer(stream, *request, response, false);
+        if (!whole) co_return co_await reply(response, false);
         if (plan.sink) {
             response = co_await on(disk_, [&] { return plan.sink->finish(); });
         } else {
             response = co_await on(pool_of(plan.lane), [&] { return plan.work(*request); });
         }
-        co_return co_await answer(stream, *request, response, parser.keep_alive());
+        co_return co_await reply(response, parser.keep_alive());
     }
 
     /// The body, to the plan's sink or the request. @return false: `response` is all there is to
@@ -222,29 +232,25 @@ class Server final : public HttpServer {
             if (error == bhttp::error::need_buffer) error = {};
             const std::size_t got = chunk.size() - parser.get().body().size;
             total += got;
-            std::optional<HttpResponse> early;
             if (!error && total > plan.most_body) error = bhttp::error::body_limit;
-            if (got > 0 && plan.sink && (!error || error != bhttp::error::body_limit)) {
+            std::optional<HttpResponse> early;
+            if (!plan.may_go_on()) {
+                early = problem(401, "your link does not hold any more; this was not taken");
+            } else if (got > 0 && plan.sink && error != bhttp::error::body_limit) {
                 const std::string_view bytes(chunk.data(), got);
                 early = co_await on(disk_, [&] { return plan.sink->write(bytes); });
             } else if (got > 0) {
                 request.body.append(chunk, 0, got);
             }
-            if (error) {
-                if (plan.sink) {
-                    co_await on(disk_, [&] {
-                        plan.sink->give_up();
-                        return 0;
-                    });
-                }
-                response = parse_problem(error);
-                co_return false;
-            }
-            if (early) {
-                response = *early;
-                response.close = !parser.is_done();
-                co_return false;
-            }
+            if (error && !early) early = parse_problem(error);
+            if (!early) continue;
+            response = *std::move(early);
+            if (!plan.sink) co_return false;
+            co_await on(disk_, [&] {
+                plan.sink->give_up();
+                return 0;
+            });
+            co_return false;
         }
         co_return true;
     }
@@ -292,49 +298,34 @@ class Server final : public HttpServer {
         co_return keep_alive && !error;
     }
 
-    net::awaitable<bool> stream_events(beast::tcp_stream& stream, const HttpRequest& request) {
+    net::awaitable<bool> stream_events(beast::tcp_stream& stream, const HttpRequest& request,
+                                       const std::function<bool()>& may_go_on) {
         HttpResponse head;
         head.headers = {{"Content-Type", "text/event-stream"},
                         {"Cache-Control", "no-store"},
                         {"X-Accel-Buffering", "no"}};
         add_security_headers(head);
-        std::string text = head_text(head, std::nullopt, false) + "retry: 2000\n";
-        std::uint64_t number = events_->last();
-        if (const std::string id(request.header("last-event-id")); !id.empty()) {
-            const auto known = events_->number_of(id);
-            if (known && *known <= number) {
-                number = *known;
-            } else {
-                text += events_->text_of({number, "reset", "{}"});
-            }
-        } else {
-            text += events_->text_of({number, "hello", "{}"});
-        }
+        EventStream events(*events_, std::string(request.header("last-event-id")));
+        std::string text = head_text(head, std::nullopt, false) + events.beginning();
         net::steady_timer timer(io_);
         waiting_.insert(&timer);
         error_code error;
-        while (!stopping_) {
+        auto said = std::chrono::steady_clock::now();
+        while (!stopping_ && may_go_on()) {
             if (!text.empty()) {
                 stream.expires_after(seconds(limits_.header_seconds));
                 co_await net::async_write(stream, net::buffer(text), into(error));
                 if (error) break;
-                text.clear();
+                said = std::chrono::steady_clock::now();
             }
-            auto events = events_->after(number);
-            if (!events) {
-                number = events_->last();
-                text = events_->text_of({number, "reset", "{}"});
-                continue;
-            }
-            for (const EventRing::Event& event : *events) {
-                text += events_->text_of(event);
-                number = event.number;
-            }
+            text = events.next();
             if (!text.empty()) continue;
-            timer.expires_after(seconds(limits_.heartbeat_seconds));
+            timer.expires_after(
+                seconds(std::min(limits_.heartbeat_seconds, limits_.look_again_seconds)));
             error_code woken;
             co_await timer.async_wait(into(woken));
-            if (!woken) text = ": still here\n\n";
+            const auto quiet = std::chrono::steady_clock::now() - said;
+            if (!woken && quiet >= seconds(limits_.heartbeat_seconds)) text = ": still here\n\n";
         }
         waiting_.erase(&timer);
         co_return false;

@@ -24,6 +24,12 @@ struct HttpLimits {
     /// From one address; those of a trusted proxy, and of the machine itself, are not counted.
     std::size_t connections_of_an_address = 64;
     double heartbeat_seconds = 15.0;  ///< of a stream of events in which nothing happens
+    /// How often a stream's watcher is looked up again. Higher: a link that is taken back shows
+    /// the model longer.
+    double look_again_seconds = 0.5;
+    /// Of a connection; what comes faster waits. Higher: one client may keep the thread of all
+    /// connections busy.
+    double requests_per_second = 200.0;
 };
 
 /// HTTP/1.1 over TCP: one thread for all connections, one for bodies that go to the disk, one for

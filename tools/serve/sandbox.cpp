@@ -50,6 +50,14 @@ bool forbid_processes(scmp_filter_ctx filter) {
            seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), SCMP_SYS(clone), 1,
                             SCMP_A0(SCMP_CMP_MASKED_EQ, kThread, 0)) == 0;
 }
+/// abort() sends its own process a signal; limits are read as those of process 0, which is its own.
+bool forbid_reaching_others(scmp_filter_ctx filter) {
+    const auto own = static_cast<scmp_datum_t>(getpid());
+    return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), SCMP_SYS(tgkill), 1,
+                            SCMP_A0(SCMP_CMP_NE, own)) == 0 &&
+           seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), SCMP_SYS(prlimit64), 1,
+                            SCMP_A0(SCMP_CMP_NE, 0)) == 0;
+}
 #ifdef __clang__
 #pragma clang diagnostic pop
 #endif
@@ -69,7 +77,8 @@ bool enter_sandbox() {
         return false;
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
     if (filter == nullptr) return false;
-    bool done = forbid_writing(filter) && forbid_processes(filter);
+    bool done =
+        forbid_writing(filter) && forbid_processes(filter) && forbid_reaching_others(filter);
     for (const char* name : {"socket",
                              "socketpair",
                              "connect",
@@ -87,6 +96,18 @@ bool enter_sandbox() {
                              "ptrace",
                              "kill",
                              "tkill",
+                             "rt_sigqueueinfo",
+                             "rt_tgsigqueueinfo",
+                             "setpriority",
+                             "sched_setaffinity",
+                             "sched_setattr",
+                             "sched_setparam",
+                             "sched_setscheduler",
+                             "ioprio_set",
+                             "process_madvise",
+                             "process_mrelease",
+                             "migrate_pages",
+                             "move_pages",
                              "pidfd_open",
                              "pidfd_getfd",
                              "pidfd_send_signal",

@@ -17,11 +17,16 @@ namespace psfm {
 // its standard output, and nothing else: no network, no other process, no file. What breaks it is
 // a rejected photograph.
 
+/// Guard: what a photograph may cost that was made to cost much.
+inline constexpr int kMostDecodeSeconds = 180;
+
 /// The features stage in such a process. The same result as run_features, and its errors; kInternal
 /// where the process broke, was stopped for its limits, or said what cannot be.
-/// @param preset  of the session, which sets the options
+/// @param preset   of the session, which sets the options
+/// @param seconds  on the clock that the process may take
 /// Thread-safe.
-Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::string& preset);
+Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::string& preset,
+                                          int seconds = kMostDecodeSeconds);
 
 /// A JPEG of at most 320 pixels a side without any metadata, made in such a process; nothing when
 /// it cannot be made. Thread-safe.

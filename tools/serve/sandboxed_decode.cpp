@@ -33,7 +33,6 @@ namespace {
 using nlohmann::json;
 constexpr std::string_view kMagic = "PSX1";
 /// Guard: what a photograph may cost that was made to cost much.
-constexpr int kSeconds = 180;                                // on the clock
 constexpr std::size_t kMostOutput = std::size_t{64} << 20U;  // of 100,000 features
 constexpr std::size_t kMostFeatures = 100'000;
 constexpr int kThumbnailSide = 320;  // Format: of the page [px]
@@ -55,7 +54,8 @@ void append_u32(std::string& bytes, std::size_t value) {
 }
 
 /// All that a child writes to its standard output. @return nothing when it did not end as it should
-std::optional<std::string> output_of(const std::vector<std::string>& words) {
+std::optional<std::string> output_of(const std::vector<std::string>& words,
+                                     int seconds = kMostDecodeSeconds) {
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return std::nullopt;
     posix_spawn_file_actions_t actions;
@@ -80,7 +80,7 @@ std::optional<std::string> output_of(const std::vector<std::string>& words) {
     }
     std::string output;
     bool fine = true;
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(kSeconds);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
     while (fine) {
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
             deadline - std::chrono::steady_clock::now());
@@ -202,9 +202,11 @@ Result<ExtractedPhoto> parse(const std::string& output, const std::string& name)
 
 }  // namespace
 
-Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::string& preset) {
+Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::string& preset,
+                                          int seconds) {
     const auto output = output_of({"psfm", "decode-photograph", photo.path.string(), "--name",
-                                   photo.name, "--preset", preset});
+                                   photo.name, "--preset", preset},
+                                  seconds);
     if (!output) {
         return Error{ErrorCode::kUnreadable,
                      photo.name + ": decoding it failed or took too much; save it anew"};

@@ -2,19 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/serve/upload_store.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <sys/statvfs.h>
-#include <unistd.h>
 
-#include <array>
-#include <cerrno>
+#include <algorithm>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "stages/features/photographs/photo_container.h"
 #include "tools/serve/sha256.h"
+#include "tools/serve/upload_sink.h"
+#include "tools/serve/uploads/upload_files.h"
 
 namespace psfm {
 namespace {
@@ -28,157 +25,16 @@ HttpResponse wait_problem(unsigned seconds, const std::string& why) {
     return response;
 }
 
-HttpResponse offset_answer(unsigned status, std::uint64_t offset) {
-    HttpResponse response;
-    response.status = status;
-    response.headers = {{"Upload-Offset", std::to_string(offset)}, {"Cache-Control", "no-store"}};
-    return response;
-}
-
-bool sync_folder(const fs::path& folder) {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) return false;
-    const bool done = ::fsync(descriptor) == 0;
-    ::close(descriptor);
-    return done;
-}
-
-/// Appended and on the disk, or the file is as long as it was.
-bool append_durably(const fs::path& file, const std::string& line) {
-    constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
-    const int descriptor =
-        ::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, kOwnerOnly);
-    if (descriptor < 0) return false;
-    const off_t before = ::lseek(descriptor, 0, SEEK_END);
-    const bool done =
-        ::write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
-        ::fsync(descriptor) == 0;
-    if (!done && ::ftruncate(descriptor, before) != 0) {
-        // A line without its end is passed over when the log is read.
-    }
-    ::close(descriptor);
-    return done;
-}
-
-std::string_view extension_of(PhotoFormat format) {
-    switch (format) {
-        case PhotoFormat::kJpeg:
-            return "jpg";
-        case PhotoFormat::kPng:
-            return "png";
-        case PhotoFormat::kTiff:
-            return "tif";
-        case PhotoFormat::kWebp:
-            return "webp";
-        case PhotoFormat::kBmp:
-            return "bmp";
-        case PhotoFormat::kHeif:
-            return "heic";
-        case PhotoFormat::kJpeg2000:
-            return "jp2";
-        case PhotoFormat::kPnm:
-            return "ppm";
-    }
-    return "jpg";
-}
-
-struct Content {
-    std::string sha256;
-    std::optional<PhotoFormat> format;
-    std::uint64_t bytes = 0;
-};
-
-std::optional<Content> read_content(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return std::nullopt;
-    Content content;
-    Sha256 hash;
-    std::string chunk(std::size_t{1} << 18U, '\0');
-    while (stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size())) ||
-           stream.gcount() > 0) {
-        const std::string_view bytes(chunk.data(), static_cast<std::size_t>(stream.gcount()));
-        if (content.bytes == 0) {
-            content.format = identify_format(
-                {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-        }
-        hash.add(bytes);
-        content.bytes += bytes.size();
-    }
-    content.sha256 = hash.hex();
-    return content;
+std::string line_of(const Upload& upload) {
+    const ordered_json line{{"sha256", upload.sha256},
+                            {"user", upload.user},
+                            {"name", upload.title},
+                            {"file", upload.file},
+                            {"time", upload.time}};
+    return "\n" + line.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
-
-/// Bytes of one request, onto the end of the part file.
-class UploadSink final : public BodySink {
-  public:
-    UploadSink(UploadStore& store, UploadStore::Offer offer)
-        : store_(&store), offer_(std::move(offer)), at_(offer_.offset) {}
-    ~UploadSink() override { end(); }
-    UploadSink(const UploadSink&) = delete;
-    UploadSink& operator=(const UploadSink&) = delete;
-
-    std::optional<HttpResponse> write(std::string_view bytes) override {
-        if (at_ + bytes.size() > offer_.length)
-            return stop(problem(413, "more bytes came than Upload-Length says"));
-        if (descriptor_ < 0) {
-            const fs::path part = store_->part_of(offer_.user, offer_.sha256);
-            std::error_code ignored;
-            fs::create_directories(part.parent_path(), ignored);
-            constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
-            descriptor_ = ::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kOwnerOnly);
-            if (descriptor_ < 0) return stop(disk_problem(errno));
-        }
-        while (!bytes.empty()) {
-            const ssize_t count =
-                ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(at_));
-            if (count < 0 && errno == EINTR) continue;
-            if (count <= 0) return stop(disk_problem(errno));
-            at_ += static_cast<std::uint64_t>(count);
-            bytes.remove_prefix(static_cast<std::size_t>(count));
-        }
-        return std::nullopt;
-    }
-
-    HttpResponse finish() override {
-        HttpResponse response;
-        if (at_ < offer_.length) {
-            response = offset_answer(204, at_);
-        } else if (descriptor_ >= 0 && ::fsync(descriptor_) != 0) {
-            response = disk_problem(errno);
-        } else {
-            response = store_->complete(offer_);
-        }
-        end();
-        return response;
-    }
-
-    void give_up() override { end(); }
-
-  private:
-    static HttpResponse disk_problem(int number) {
-        if (number == ENOSPC || number == EDQUOT || number == EFBIG)
-            return problem(507, "the server's disk is full; what was sent so far is kept");
-        return problem(503, "the server cannot write at the moment; try again");
-    }
-    HttpResponse stop(HttpResponse response) {
-        end();
-        return response;
-    }
-    void end() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-        descriptor_ = -1;
-        if (!ended_) store_->release(offer_.sha256);
-        ended_ = true;
-    }
-
-    UploadStore* store_;
-    UploadStore::Offer offer_;
-    std::uint64_t at_;
-    int descriptor_ = -1;
-    bool ended_ = false;
-};
 
 UploadStore::UploadStore(fs::path session, const UploadLimits& limits)
     : session_(std::move(session)), folder_(session_ / "photographs"), limits_(limits) {}
@@ -208,10 +64,16 @@ Result<void> UploadStore::read_log() {
                 object.at("sha256").get<std::string>(), object.at("user").get<std::uint32_t>(),
                 object.at("name").get<std::string>(), object.at("file").get<std::string>(),
                 object.at("time").get<std::int64_t>()};
-            if (!is_sha256(upload.sha256) || by_sha256_.contains(upload.sha256)) continue;
+            const bool is_new = !sent_by_.contains({upload.user, upload.sha256});
+            if (!is_sha256(upload.sha256) || !is_new) continue;
             std::error_code error;
             const auto bytes = fs::file_size(folder_ / upload.file, error);
             if (error) continue;  // removed since
+            sent_by_.emplace(upload.user, upload.sha256);
+            if (by_sha256_.contains(upload.sha256)) {
+                repeats_.push_back(std::move(upload));
+                continue;
+            }
             bytes_of_user_[upload.user] += bytes;
             by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
             uploads_.push_back(std::move(upload));
@@ -222,83 +84,150 @@ Result<void> UploadStore::read_log() {
     return {};
 }
 
-fs::path UploadStore::part_of(std::uint32_t user, const std::string& sha256) const {
-    return folder_ / std::to_string(user) / (sha256 + ".part");
-}
-
 UploadStore::Progress UploadStore::progress(std::uint32_t user, const std::string& sha256) const {
     const std::lock_guard lock(mutex_);
-    std::error_code error;
-    if (const auto known = by_sha256_.find(sha256); known != by_sha256_.end()) {
-        const auto bytes = fs::file_size(folder_ / uploads_[known->second].file, error);
-        return {error ? 0 : bytes, true};
+    std::error_code error;  // Expected: of what is not there, nothing is there
+    if (sent_by_.contains({user, sha256})) {
+        const auto file = folder_ / uploads_[by_sha256_.at(sha256)].file;
+        const auto bytes = fs::file_size(file, error);
+        return {error ? 0 : bytes, error ? 0 : bytes, true};
     }
-    const auto bytes = fs::file_size(part_of(user, sha256), error);
-    return {error ? 0 : bytes, false};
+    return begun(user, sha256);
 }
 
-UploadStore::Admission UploadStore::admit(const Offer& offer) {
-    const auto refuse = [](HttpResponse response) {
-        return Admission{std::move(response), nullptr};
+UploadStore::Progress UploadStore::begun(std::uint32_t user, const std::string& sha256) const {
+    const auto length = unfinished_.length_of(user, sha256);
+    if (!length) return {};
+    std::error_code error;  // Expected: it has begun and nothing has come yet
+    const auto bytes = fs::file_size(unfinished_.part_of(user, sha256), error);
+    return {error ? 0 : bytes, *length, false};
+}
+
+std::optional<HttpResponse> UploadStore::refuse_place(const Offer& offer,
+                                                      const Progress& here) const {
+    if (offer.anew) return std::nullopt;
+    const auto conflict = [&](const std::string& why) {
+        HttpResponse response = problem(409, why);
+        response.headers.emplace_back("Upload-Offset", std::to_string(here.offset));
+        return response;
     };
+    if (offer.offset != here.offset)
+        return conflict("the next byte that is wanted is " + std::to_string(here.offset));
+    if (here.length != 0 && offer.length && *offer.length != here.length) {
+        return conflict("this photograph was announced with " + std::to_string(here.length) +
+                        " bytes; PUT begins anew");
+    }
+    if (here.length == 0 && !offer.length)
+        return problem(400, "nothing of it is here yet: Upload-Length is wanted");
+    return std::nullopt;
+}
+
+std::optional<HttpResponse> UploadStore::refuse_share(const Offer& offer,
+                                                      std::uint64_t length) const {
+    if (queue_.size() >= limits_.queue)
+        return wait_problem(10, "many photographs wait to be looked at");
+    if (open_.size() >= limits_.at_once)
+        return wait_problem(1, "many photographs are being sent at the moment");
+    const auto of_user =
+        std::ranges::count_if(open_, [&](const auto& one) { return one.second == offer.user; });
+    if (static_cast<std::size_t>(of_user) >= limits_.at_once_of_user)
+        return wait_problem(1, "you are sending many photographs at the moment");
+    const auto bytes = bytes_of_user_.find(offer.user);
+    if ((bytes == bytes_of_user_.end() ? 0 : bytes->second) +
+            unfinished_.bytes_beside(offer.user, offer.sha256) + length >
+        limits_.quota_bytes)
+        return problem(507, "you have sent as much as one user may here");
+    struct statvfs disk {};
+    if (::statvfs(folder_.c_str(), &disk) == 0 &&
+        static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize < limits_.free_bytes + length) {
+        return problem(507, "the server's disk is nearly full");
+    }
+    return std::nullopt;
+}
+
+void UploadStore::remove_abandoned() {
+    const std::int64_t now = std::time(nullptr);
+    if (now < look_for_abandoned_) return;
+    look_for_abandoned_ = now + limits_.abandoned_seconds;
+    unfinished_.remove_abandoned([&](const std::string& hash) { return open_.contains(hash); });
+}
+
+UploadStore::Admission UploadStore::admit(const Offer& asked) {
+    const auto refuse = [](HttpResponse response) {
+        return Admission{std::move(response), nullptr, 0};
+    };
+    Offer offer = asked;
     if (!is_sha256(offer.sha256))
         return refuse(problem(404, "a photograph is called by its SHA-256, in small letters"));
-    if (offer.length == 0 || offer.length > limits_.most_bytes) {
+    const std::lock_guard lock(mutex_);
+    remove_abandoned();
+    if (by_sha256_.contains(offer.sha256)) return refuse(know_again(offer));
+    if (open_.contains(offer.sha256))
+        return refuse(problem(423, "this photograph is being sent at the moment"));
+    const Progress here = begun(offer.user, offer.sha256);
+    if (auto refusal = refuse_place(offer, here)) return refuse(*std::move(refusal));
+    if (!offer.length) offer.length = here.length;
+    if (*offer.length == 0) return refuse(problem(422, "this file is empty; choose another"));
+    if (*offer.length > limits_.most_bytes) {
         return refuse(problem(
             413, "a photograph has 1 to " + std::to_string(limits_.most_bytes) + " bytes here"));
     }
-    const Progress here = progress(offer.user, offer.sha256);
-    if (here.complete) return refuse(offset_answer(200, here.offset));
-    const std::lock_guard lock(mutex_);
-    if (open_.contains(offer.sha256))
-        return refuse(problem(423, "this photograph is being sent at the moment"));
-    if (offer.offset > here.offset) {
-        HttpResponse response = problem(409, "the bytes before these are not here");
-        response.headers.emplace_back("Upload-Offset", std::to_string(here.offset));
-        return refuse(std::move(response));
+    if (auto refusal = refuse_share(offer, *offer.length)) return refuse(*std::move(refusal));
+    if (offer.anew && here.length != 0) {
+        std::error_code ignored;
+        fs::remove(unfinished_.part_of(offer.user, offer.sha256), ignored);
     }
-    if (queue_.size() >= limits_.queue)
-        return refuse(wait_problem(10, "many photographs wait to be looked at"));
-    if (open_.size() >= limits_.at_once)
-        return refuse(wait_problem(1, "many photographs are being sent at the moment"));
-    if (bytes_of_user_[offer.user] + unfinished_.bytes_beside(offer.user, offer.sha256) +
-            offer.length >
-        limits_.quota_bytes)
-        return refuse(problem(507, "you have sent as much as one user may here"));
-    struct statvfs disk {};
-    if (::statvfs(folder_.c_str(), &disk) == 0 &&
-        static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize <
-            limits_.free_bytes + offer.length) {
-        return refuse(problem(507, "the server's disk is nearly full"));
-    }
-    open_.insert(offer.sha256);
-    unfinished_.begin(offer.user, offer.sha256, offer.length);
-    return {std::nullopt, std::make_unique<UploadSink>(*this, offer)};
+    open_.emplace(offer.sha256, offer.user);
+    unfinished_.begin(offer.user, offer.sha256, *offer.length);
+    const std::uint64_t most = *offer.length - std::min(*offer.length, offer.offset);
+    fs::path part = unfinished_.part_of(offer.user, offer.sha256);
+    return {std::nullopt, std::make_unique<UploadSink>(*this, std::move(offer), std::move(part)),
+            most};
 }
 
-void UploadStore::release(const std::string& sha256) {
-    const std::lock_guard lock(mutex_);
-    open_.erase(sha256);
+HttpResponse UploadStore::know_again(const Offer& offer) {
+    const Upload& first = uploads_[by_sha256_.at(offer.sha256)];
+    std::error_code error;  // Expected: somebody removed the file; it was here
+    const auto bytes = fs::file_size(folder_ / first.file, error);
+    if (!sent_by_.contains({offer.user, offer.sha256})) {
+        Upload repeat = first;
+        repeat.user = offer.user;
+        repeat.title = offer.title;
+        repeat.time = std::time(nullptr);
+        // Not waited for: the photograph is on the disk for good, and this is on its server's
+        // thread.
+        if (!append_line(session_ / "uploads.log", line_of(repeat), false))
+            return problem(507, "the server's disk is full; the photograph is here");
+        sent_by_.emplace(repeat.user, repeat.sha256);
+        repeats_.push_back(std::move(repeat));
+    }
+    return offset_answer(200, error ? 0 : bytes);
 }
 
-void UploadStore::give_up(const Offer& offer) {
+void UploadStore::release(const Offer& offer, const fs::path& part) {
     std::error_code ignored;
-    fs::remove(part_of(offer.user, offer.sha256), ignored);
+    const std::lock_guard lock(mutex_);
+    open_.erase(offer.sha256);
+    if (!fs::exists(part, ignored)) unfinished_.end(offer.user, offer.sha256);
+}
+
+void UploadStore::give_up(const Offer& offer, const fs::path& part) {
+    std::error_code ignored;
+    fs::remove(part, ignored);
     const std::lock_guard lock(mutex_);
     unfinished_.end(offer.user, offer.sha256);
 }
 
-HttpResponse UploadStore::complete(const Offer& offer) {
-    const fs::path part = part_of(offer.user, offer.sha256);
+HttpResponse UploadStore::complete(const Offer& offer, const fs::path& part) {
     const auto content = read_content(part);
     if (!content) return problem(503, "the server cannot read what it has written; try again");
     std::error_code ignored;
-    if (content->sha256 != offer.sha256 || content->bytes != offer.length) {
-        give_up(offer);
+    if (content->sha256 != offer.sha256 || content->bytes != *offer.length) {
+        give_up(offer, part);
         return problem(422, "the bytes that came have another SHA-256; send them again");
     }
     if (!content->format) {
-        give_up(offer);
+        give_up(offer, part);
         return problem(415,
                        "this is no photograph: JPEG, PNG, TIFF, WebP, BMP, HEIC, JPEG 2000 "
                        "and PNM are read");
@@ -315,20 +244,14 @@ HttpResponse UploadStore::complete(const Offer& offer) {
     fs::rename(part, file, error);
     if (error || !sync_folder(file.parent_path()) || !sync_folder(folder_))
         return problem(503, "the server cannot write at the moment; try again");
-    const ordered_json line{{"sha256", upload.sha256},
-                            {"user", upload.user},
-                            {"name", upload.title},
-                            {"file", upload.file},
-                            {"time", upload.time}};
-    const std::string text =
-        "\n" + line.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
     const std::lock_guard lock(mutex_);
-    if (!append_durably(session_ / "uploads.log", text)) {
+    if (!append_line(session_ / "uploads.log", line_of(upload), true)) {
         fs::rename(file, part, ignored);  // not acknowledged: it comes again
         return problem(507, "the server's disk is full; what was sent so far is kept");
     }
     bytes_of_user_[upload.user] += content->bytes;
     unfinished_.end(upload.user, upload.sha256);
+    sent_by_.emplace(upload.user, upload.sha256);
     by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
     queue_.push_back({file, upload.file});
     uploads_.push_back(std::move(upload));
@@ -340,6 +263,18 @@ HttpResponse UploadStore::complete(const Offer& offer) {
 std::vector<Upload> UploadStore::uploads() const {
     const std::lock_guard lock(mutex_);
     return uploads_;
+}
+
+std::vector<Upload> UploadStore::uploads_of(std::uint32_t user) const {
+    const std::lock_guard lock(mutex_);
+    std::vector<Upload> sent;
+    for (const auto* uploads : {&uploads_, &repeats_}) {
+        for (const Upload& upload : *uploads) {
+            if (upload.user == user) sent.push_back(upload);
+        }
+    }
+    std::ranges::stable_sort(sent, {}, &Upload::time);
+    return sent;
 }
 
 std::optional<Upload> UploadStore::find(const std::string& sha256) const {

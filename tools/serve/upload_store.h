@@ -11,12 +11,13 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "graph/result.h"
 #include "scheduler/flow/run_session.h"
 #include "tools/serve/http.h"
-#include "tools/serve/unfinished_uploads.h"
+#include "tools/serve/uploads/unfinished_uploads.h"
 
 namespace psfm {
 
@@ -34,15 +35,17 @@ struct UploadLimits {
     std::uint64_t quota_bytes = std::uint64_t{20} << 30U;  ///< of all that a user sends
     std::uint64_t free_bytes = std::uint64_t{1} << 30U;    ///< of the disk that stay free
     std::size_t at_once = 16;                              ///< uploads; more are told to wait
+    std::size_t at_once_of_user = 4;                       ///< so that one leaves room for others
+    std::int64_t abandoned_seconds = 3600;  ///< from one look for what is abandoned to the next
     /// Photographs that wait for the engine; more are told to wait. Higher: a longer way from
     /// sending to seeing; lower: the engine may run dry.
     std::size_t queue = 64;
 };
 
 /// Photographs that users send: content-addressed, resumable, and acknowledged once they are
-/// durable. SESSION/photographs/USER/SHA256.EXTENSION, beside it SHA256.part while it comes; and
-/// SESSION/uploads.log, a line of JSON for each that was acknowledged, in order. Both are the truth
-/// after a crash: what has a line is there. Thread-safe.
+/// durable. SESSION/photographs/USER/SHA256.EXTENSION, beside it what has begun to come; and
+/// SESSION/uploads.log, a line of JSON for each that was acknowledged, in order, and for each user
+/// who sent it again. Both are the truth after a crash: what has a line is there. Thread-safe.
 class UploadStore {
   public:
     /// @errors kIo, kDamaged
@@ -51,9 +54,10 @@ class UploadStore {
 
     const std::filesystem::path& folder() const { return folder_; }
 
-    /// Bytes of a photograph that are here, and all of them if it is whole.
+    /// What is here of a photograph that a user sends or has sent.
     struct Progress {
-        std::uint64_t offset = 0;
+        std::uint64_t offset = 0;  ///< bytes
+        std::uint64_t length = 0;  ///< that it will have; 0: it has not begun
         bool complete = false;
     };
     Progress progress(std::uint32_t user, const std::string& sha256) const;
@@ -62,18 +66,22 @@ class UploadStore {
         std::uint32_t user = 0;
         std::string sha256;
         std::string title;
-        std::uint64_t offset = 0;  ///< where the bytes begin
-        std::uint64_t length = 0;  ///< of the whole photograph
+        std::uint64_t offset = 0;             ///< where the bytes begin
+        std::optional<std::uint64_t> length;  ///< of the whole photograph; nothing: as announced
+        bool anew = false;                    ///< instead of what has come so far
     };
     /// What becomes of bytes that somebody wants to send.
     struct Admission {
         std::optional<HttpResponse> refusal;  ///< an answer instead
         std::unique_ptr<BodySink> sink;
+        std::uint64_t most_body = 0;  ///< bytes that are still wanted
     };
     /// Does not wait for the disk but for a look at a file's length.
     Admission admit(const Offer& offer);
 
-    std::vector<Upload> uploads() const;
+    std::vector<Upload> uploads() const;  ///< each photograph once, of who sent it first
+    /// All that a user has sent, also after somebody else, in order.
+    std::vector<Upload> uploads_of(std::uint32_t user) const;
     std::optional<Upload> find(const std::string& sha256) const;
     /// By the photograph's name in the session.
     std::optional<Upload> find_file(const std::string& file) const;
@@ -88,20 +96,27 @@ class UploadStore {
     friend class UploadSink;
     UploadStore(std::filesystem::path session, const UploadLimits& limits);
     Result<void> read_log();
-    void give_up(const Offer& offer);
-    /// Once all bytes are in the file. On the disk thread.
-    HttpResponse complete(const Offer& offer);
-    void release(const std::string& sha256);
-    std::filesystem::path part_of(std::uint32_t user, const std::string& sha256) const;
+    // Under the lock:
+    Progress begun(std::uint32_t user, const std::string& sha256) const;
+    std::optional<HttpResponse> refuse_place(const Offer& offer, const Progress& here) const;
+    std::optional<HttpResponse> refuse_share(const Offer& offer, std::uint64_t length) const;
+    HttpResponse know_again(const Offer& offer);
+    void remove_abandoned();
+    // Of a sink, on the disk thread; `part` is where its bytes are.
+    void give_up(const Offer& offer, const std::filesystem::path& part);
+    HttpResponse complete(const Offer& offer, const std::filesystem::path& part);
+    void release(const Offer& offer, const std::filesystem::path& part);
 
     std::filesystem::path session_, folder_;
     UploadLimits limits_;
     mutable std::mutex mutex_;
-    std::vector<Upload> uploads_;
+    std::vector<Upload> uploads_, repeats_;
+    std::set<std::pair<std::uint32_t, std::string>> sent_by_;  // user, hash
     std::map<std::string, std::size_t> by_sha256_, by_file_;
     std::map<std::uint32_t, std::uint64_t> bytes_of_user_;
     UnfinishedUploads unfinished_;  // count for the quota, too
-    std::set<std::string> open_;    // hashes that somebody sends at present
+    std::int64_t look_for_abandoned_ = 0;
+    std::map<std::string, std::uint32_t> open_;  // hashes that are sent at present, and by whom
     std::deque<PhotoFile> queue_;
 };
 

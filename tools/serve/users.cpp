@@ -41,9 +41,13 @@ std::string new_token() {
 }
 
 bool is_name(const std::string& name) {
-    return !name.empty() && name.size() <= kLongestName && std::ranges::none_of(name, [](char c) {
-        return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    });
+    return name.find_first_not_of(' ') != std::string::npos && name.size() <= kLongestName &&
+           std::ranges::none_of(
+               name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
+bool holds(const User& user) {
+    return !user.removed && (user.expires == 0 || user.expires >= std::time(nullptr));
 }
 
 }  // namespace
@@ -99,12 +103,14 @@ Result<void> Users::read() const {
             user.token_sha256 = entry.at("token_sha256").get<std::string>();
             user.expires = entry.at("expires").get<std::int64_t>();
             user.removed = entry.value("removed", false);
+            user.since = entry.value("since", std::int64_t{0});
             users.push_back(std::move(user));
         }
     } catch (const nlohmann::json::exception&) {
         return damaged();
     }
     users_ = std::move(users);
+    had_any_ = had_any_ || !users_.empty();
     return {};
 }
 
@@ -116,7 +122,8 @@ Result<void> Users::write() const {
                         {"role", role_name(user.role)},
                         {"token_sha256", user.token_sha256},
                         {"expires", user.expires},
-                        {"removed", user.removed}});
+                        {"removed", user.removed},
+                        {"since", user.since}});
     }
     const std::string text = ordered_json{{"users", std::move(list)}}.dump(
                                  1, ' ', false, ordered_json::error_handler_t::replace) +
@@ -149,8 +156,9 @@ void Users::look_again() const {
 Result<std::string> Users::add(const std::string& name, UserRole role, std::int64_t expires) {
     const std::lock_guard lock(mutex_);
     if (!is_name(name)) {
-        return Error{ErrorCode::kInvalidArgument,
-                     "a user's name has 1 to 64 bytes and no control characters"};
+        return Error{
+            ErrorCode::kInvalidArgument,
+            "a user's name has 1 to 64 bytes, not blanks alone, and no control characters"};
     }
     const bool is_taken = std::ranges::any_of(
         users_, [&](const User& user) { return user.name == name && !user.removed; });
@@ -161,7 +169,8 @@ Result<std::string> Users::add(const std::string& name, UserRole role, std::int6
     const std::string token = new_token();
     std::uint32_t number = 1;
     for (const User& user : users_) number = std::max(number, user.number + 1);
-    users_.push_back({number, name, role, sha256_hex(token), expires, false});
+    users_.push_back({number, name, role, sha256_hex(token), expires, false, std::time(nullptr)});
+    had_any_ = true;
     if (const auto done = write(); !done.ok()) {
         users_.pop_back();
         return done.error();
@@ -185,6 +194,12 @@ bool Users::empty() const {
     return users_.empty();
 }
 
+bool Users::had_any() const {
+    const std::lock_guard lock(mutex_);
+    look_again();
+    return had_any_;
+}
+
 std::vector<User> Users::all() const {
     const std::lock_guard lock(mutex_);
     look_again();
@@ -195,15 +210,20 @@ std::optional<User> Users::of_token(std::string_view token) const {
     const std::string hash = sha256_hex(token);
     const std::lock_guard lock(mutex_);
     look_again();
-    const std::int64_t now = std::time(nullptr);
     const User* found = nullptr;
     for (const User& user : users_) {
         if (user.token_sha256.size() != hash.size()) continue;  // removed
         if (sodium_memcmp(user.token_sha256.data(), hash.data(), hash.size()) == 0) found = &user;
     }
-    if (found == nullptr || found->removed || (found->expires != 0 && found->expires < now))
-        return std::nullopt;
+    if (found == nullptr || !holds(*found)) return std::nullopt;
     return *found;
+}
+
+bool Users::is_valid(std::uint32_t number) const {
+    const std::lock_guard lock(mutex_);
+    look_again();
+    const auto user = std::ranges::find(users_, number, &User::number);
+    return user != users_.end() && holds(*user);
 }
 
 }  // namespace psfm

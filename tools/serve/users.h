@@ -31,6 +31,7 @@ struct User {
     std::string token_sha256;  ///< hexadecimal; the token itself is nowhere
     std::int64_t expires = 0;  ///< seconds since 1970; 0: never
     bool removed = false;      ///< the number and the name stay with what he has sent
+    std::int64_t since = 0;    ///< seconds since 1970; 0: not known
 };
 
 /// The users of a session, in SESSION/users.json (mode 0600). Thread-safe. Changes that another
@@ -41,16 +42,21 @@ class Users {
     static Result<std::unique_ptr<Users>> open(const std::filesystem::path& session);
 
     /// @return the token, which is told once and never again: 256 random bits
-    /// @errors kDuplicate, kInvalidArgument (a name of more than 64 bytes, or with a control
-    /// character), kIo
+    /// @errors kDuplicate, kInvalidArgument (a name of more than 64 bytes, of blanks, or with a
+    /// control character), kIo
     Result<std::string> add(const std::string& name, UserRole role, std::int64_t expires);
     /// What he has sent stays. @errors kNotFound, kIo
     Result<void> remove(const std::string& name);
 
     bool empty() const;
+    /// Whether there is a user, or was one since this object is: a file that is gone gives nobody
+    /// more than he had.
+    bool had_any() const;
     std::vector<User> all() const;  ///< removed ones, too
     /// Whose token it is, unless it has expired. Takes as long for every token.
     std::optional<User> of_token(std::string_view token) const;
+    /// Whether this user's link still holds.
+    bool is_valid(std::uint32_t number) const;
 
   private:
     explicit Users(std::filesystem::path file) : file_(std::move(file)) {}
@@ -61,6 +67,7 @@ class Users {
     std::filesystem::path file_;
     mutable std::mutex mutex_;
     mutable std::vector<User> users_;
+    mutable bool had_any_ = false;
     mutable std::int64_t stamp_ = 0, looked_ = 0;
 };
 

@@ -93,7 +93,7 @@ class Cluster:
                 try:
                     status, headers, _ = self.server.ask("HEAD", f"{API}/photographs/{sha(data)}", token=token)
                     at = int(headers["Upload-Offset"]) if status == 200 else 0
-                    if status == 200 and headers["Upload-Length"]:
+                    if status == 200 and headers["Upload-Length"] == headers["Upload-Offset"]:
                         status = 201  # the answer was lost, the photograph was not
                     while status in (200, 204, 404):
                         status, headers, _ = self.server.patch(data, at, len(data), at + self.asked.piece, token)

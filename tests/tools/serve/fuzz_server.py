@@ -285,7 +285,7 @@ class Fuzzer:
         while (answer := self.exchange(head.encode() + data))[0][9:12] == b"429":
             time.sleep(0.5)
         status = answer[0][9:12].decode()
-        return status, answer[1] or status not in ("200", "201", "413", "415", "503", "507")
+        return status, answer[1] or status not in ("200", "201", "413", "415" if data else "422", "503", "507")
 
     def fuzz_photographs(self, total):
         for start in range(0, total, BATCH):

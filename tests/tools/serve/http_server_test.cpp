@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <future>
 
@@ -21,8 +22,8 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// GET /large: much; GET /model: what waits for `ready`, in the lane of models; anything else:
-/// "hello", and what came is thrown away.
+/// GET /large: much; GET /model: what waits for `ready`, in the lane of models; GET /events: the
+/// stream, for as long as `holds`; anything else: "hello", and what came is thrown away.
 class Application final : public HttpApplication {
   public:
     HttpPlan plan(const HttpRequest& head) override {
@@ -31,6 +32,8 @@ class Application final : public HttpApplication {
         const bool is_large = head.path == "/large";
         const bool is_model = head.path == "/model";
         if (is_model) plan.lane = Lane::kModel;
+        plan.may_go_on = [this] { return holds.load(); };
+        plan.events = head.path == "/events";
         plan.work = [this, is_large, is_model](const HttpRequest& /*request*/) {
             HttpResponse response;
             if (is_model) ready.get_future().wait_for(std::chrono::seconds(20));
@@ -43,6 +46,7 @@ class Application final : public HttpApplication {
     }
 
     std::promise<void> ready;
+    std::atomic<bool> holds = true;
 };
 
 class Client {
@@ -221,6 +225,43 @@ TEST_F(HttpServerTest, WhatIsAtHandWaitsForNoModel) {
     EXPECT_LT(seconds(), kSoon);
     application_.ready.set_value();
     EXPECT_THAT(slow.some(), StartsWith("HTTP/1.1 200 "));
+}
+
+TEST_F(HttpServerTest, AStreamEndsWithTheRightToIt) {
+    HttpLimits limits;
+    limits.look_again_seconds = 0.05;
+    serve(limits);
+    const Client client("127.0.0.1", port());
+    ASSERT_TRUE(client.send("GET /events HTTP/1.1\r\nHost: a\r\n\r\n"));
+    std::string text;
+    while (text.find("hello") == std::string::npos) text += client.some();
+    application_.holds = false;
+    events_.publish("version", "{}");
+    EXPECT_EQ(client.rest(), "");  // not a word more
+    EXPECT_LT(seconds(), kSoon);
+}
+
+TEST_F(HttpServerTest, ABodyIsNotTakenWithoutTheRightToIt) {
+    serve(HttpLimits{});
+    const Client client("127.0.0.1", port());
+    ASSERT_TRUE(client.send("PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\nx"));
+    ::usleep(100'000);
+    application_.holds = false;
+    ASSERT_TRUE(client.send("x"));
+    EXPECT_THAT(client.rest(), StartsWith("HTTP/1.1 401 "));
+}
+
+TEST_F(HttpServerTest, ManyRequestsOfAConnectionWait) {
+    HttpLimits limits;
+    limits.requests_per_second = 20.0;
+    serve(limits);
+    const Client client("127.0.0.1", port());
+    constexpr int kRequests = 25;  // of which 5 come at once
+    for (int i = 0; i < kRequests; ++i) {
+        ASSERT_TRUE(client.send(kGet));
+        ASSERT_THAT(client.some(), StartsWith("HTTP/1.1 200 "));  // refused is none
+    }
+    EXPECT_GT(seconds(), 0.8);
 }
 
 TEST_F(HttpServerTest, OneAddressHasItsShareOfTheConnections) {

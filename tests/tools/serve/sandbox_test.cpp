@@ -4,16 +4,22 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 namespace psfm {
 namespace {
@@ -75,6 +81,53 @@ TEST(Sandbox, ItStartsAndStopsNoProcess) {
               }),
               0);
     EXPECT_EQ(inside([] { return refused(::kill(::getppid(), SIGUSR1) == 0); }), 0);
+}
+
+TEST(Sandbox, ItReachesNoOtherProcess) {
+    const pid_t other = ::getpid();  // inside, the parent's
+    rlimit limits{};
+    EXPECT_EQ(inside([&] { return refused(::syscall(SYS_tgkill, other, other, 0) == 0); }), 0);
+    EXPECT_EQ(inside([&] { return refused(::prlimit(other, RLIMIT_CORE, nullptr, &limits) == 0); }),
+              0);
+    cpu_set_t cores;
+    CPU_ZERO(&cores);
+    CPU_SET(0, &cores);
+    sched_param parameters{};
+    std::array<char, 128> information{};
+    for (const auto& call : std::vector<std::array<long, 5>>{
+             {SYS_rt_sigqueueinfo, other, 0, reinterpret_cast<long>(information.data()), 0},
+             {SYS_rt_tgsigqueueinfo, other, other, 0, reinterpret_cast<long>(information.data())},
+             {SYS_setpriority, PRIO_PROCESS, other, 19, 0},
+             {SYS_sched_setaffinity, other, sizeof(cores), reinterpret_cast<long>(&cores), 0},
+             {SYS_sched_setscheduler, other, SCHED_OTHER, reinterpret_cast<long>(&parameters), 0},
+             {SYS_sched_setparam, other, reinterpret_cast<long>(&parameters), 0, 0},
+             {SYS_sched_setattr, other, 0, 0, 0},
+             {SYS_ioprio_set, 1, other, 0, 0},
+             {SYS_process_madvise, -1, 0, 0, 0}}) {
+        EXPECT_EQ(
+            inside([&] {
+                return refused(::syscall(call[0], call[1], call[2], call[3], call[4], 0) == 0);
+            }),
+            0)
+            << call[0];
+    }
+    EXPECT_EQ(inside([]() -> int { std::abort(); }), -SIGABRT) << "it may end itself";
+    EXPECT_EQ(inside([&] { return ::getrlimit(RLIMIT_CPU, &limits); }), 0);
+}
+
+TEST(Sandbox, ItsMemoryAndTimeAreLimited) {
+    EXPECT_EQ(inside([] {
+                  constexpr std::size_t kMuch = std::size_t{13} << 30U;
+                  void* got = ::mmap(nullptr, kMuch, PROT_READ | PROT_WRITE,
+                                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+                  return got == MAP_FAILED && errno == ENOMEM ? 0 : 1;
+              }),
+              0);
+    EXPECT_EQ(inside([] {
+                  rlimit time{};
+                  return ::getrlimit(RLIMIT_CPU, &time) == 0 && time.rlim_max <= 120 ? 0 : 1;
+              }),
+              0);
 }
 
 }  // namespace

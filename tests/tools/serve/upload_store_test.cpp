@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <chrono>
 #include <fstream>
+#include <vector>
 
 #include "tools/serve/sha256.h"
 
@@ -29,8 +31,17 @@ class UploadStoreTest : public ::testing::Test {
         ASSERT_TRUE(store.ok());
         store_ = *std::move(store);
     }
-    UploadStore::Offer offer(const std::string& bytes, std::uint64_t offset = 0) const {
-        return {1, sha256_hex(bytes), "a.jpg", offset, bytes.size()};
+    static UploadStore::Offer offer(const std::string& bytes, std::uint64_t offset = 0,
+                                    std::uint32_t user = 1) {
+        return {user, sha256_hex(bytes), "a.jpg", offset, bytes.size(), false};
+    }
+    std::filesystem::path part_of(const std::string& bytes) const {
+        return folder_ / "photographs" / "1" /
+               (sha256_hex(bytes) + "." + std::to_string(bytes.size()) + ".part");
+    }
+    static void age(const std::filesystem::path& file) {
+        std::filesystem::last_write_time(
+            file, std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
     }
     unsigned send(const UploadStore::Offer& offer, std::string_view bytes) {
         auto admission = store_->admit(offer);
@@ -106,12 +117,99 @@ TEST_F(UploadStoreTest, WhatHasBegunToComeCountsForTheQuota) {
     limits_.quota_bytes = kPhoto.size() + kPhoto.size() / 4;
     reopen();  // also what an earlier process was sent
     EXPECT_EQ(send(offer(other), other), 507U);
-    const auto part = folder_ / "photographs" / "1" / (sha256_hex(kPhoto) + ".part");
-    std::filesystem::last_write_time(
-        part, std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+    age(part_of(kPhoto));
     reopen();
-    EXPECT_FALSE(std::filesystem::exists(part));
+    EXPECT_FALSE(std::filesystem::exists(part_of(kPhoto)));
     EXPECT_EQ(send(offer(other), other), 201U);
+}
+
+TEST_F(UploadStoreTest, WhatHasBegunToComeGoesAfterADayWhileTheServerRuns) {
+    limits_.abandoned_seconds = 0;
+    limits_.quota_bytes = kPhoto.size() + kPhoto.size() / 2;
+    reopen();
+    const std::string other = kPhoto + "x";
+    EXPECT_EQ(send(offer(kPhoto), kPhoto.substr(0, 5)), 204U);
+    EXPECT_EQ(send(offer(other), other), 507U);
+    EXPECT_TRUE(std::filesystem::exists(part_of(kPhoto)));
+    age(part_of(kPhoto));
+    EXPECT_EQ(send(offer(other), other), 201U);
+    EXPECT_FALSE(std::filesystem::exists(part_of(kPhoto)));
+    EXPECT_EQ(send(offer(kPhoto, 5), kPhoto.substr(5)), 409U);
+}
+
+TEST_F(UploadStoreTest, WhatIsBeingSentIsNotAbandoned) {
+    limits_.abandoned_seconds = 0;
+    reopen();
+    EXPECT_EQ(send(offer(kPhoto), kPhoto.substr(0, 5)), 204U);
+    const auto upload = store_->admit(offer(kPhoto, 5));
+    ASSERT_TRUE(upload.sink != nullptr);
+    age(part_of(kPhoto));
+    EXPECT_EQ(send(offer(kPhoto + "x"), kPhoto + "x"), 201U);
+    EXPECT_FALSE(upload.sink->write(kPhoto.substr(5)).has_value());
+    EXPECT_EQ(upload.sink->finish().status, 201U);
+}
+
+TEST_F(UploadStoreTest, TheLengthThatWasAnnouncedFirstHolds) {
+    EXPECT_EQ(send(offer(kPhoto), kPhoto.substr(0, 5)), 204U);
+    UploadStore::Offer small = offer(kPhoto, 5);
+    small.length = 6;
+    EXPECT_EQ(send(small, "x"), 409U);
+    reopen();
+    EXPECT_EQ(send(small, "x"), 409U);
+    EXPECT_EQ(store_->progress(1, sha256_hex(kPhoto)).length, kPhoto.size());
+    small.length.reset();  // as announced
+    EXPECT_EQ(send(small, kPhoto.substr(5)), 201U);
+    EXPECT_EQ(send({1, sha256_hex(kPhoto + "x"), "", 0, std::nullopt, false}, "x"), 400U);
+    EXPECT_EQ(send({1, sha256_hex(""), "", 0, 0, true}, ""), 422U);
+}
+
+TEST_F(UploadStoreTest, NothingThatIsHereIsWrittenOver) {
+    EXPECT_EQ(send(offer(kPhoto), kPhoto.substr(0, 5)), 204U);
+    for (const std::uint64_t at : {0U, 4U, 6U}) EXPECT_EQ(send(offer(kPhoto, at), "xx"), 409U);
+    EXPECT_EQ(send(offer(kPhoto, 5), kPhoto.substr(5)), 201U);
+    const std::string other = kPhoto + "x";
+    EXPECT_EQ(send(offer(other), std::string(other.size(), 'P')), 422U);
+    EXPECT_EQ(send(offer(other), other.substr(0, 3)), 204U);
+    UploadStore::Offer anew = offer(other);
+    anew.anew = true;
+    EXPECT_EQ(send(anew, other), 201U);
+}
+
+TEST_F(UploadStoreTest, OneUserLeavesRoomForOthers) {
+    std::vector<UploadStore::Admission> open;
+    for (std::size_t k = 0; k < limits_.at_once_of_user; ++k) {
+        open.push_back(store_->admit(offer(kPhoto + std::to_string(k))));
+        ASSERT_TRUE(open.back().sink != nullptr);
+    }
+    EXPECT_EQ(send(offer(kPhoto), kPhoto), 429U);
+    EXPECT_EQ(send(offer(kPhoto, 0, 2), kPhoto), 201U);
+    open.pop_back();
+    EXPECT_EQ(send(offer(kPhoto + "x"), kPhoto + "x"), 201U);
+    while (open.size() < limits_.at_once) {
+        const auto user = static_cast<std::uint32_t>(open.size());
+        open.push_back(store_->admit(offer(kPhoto + "of " + std::to_string(user), 0, user + 2)));
+        ASSERT_TRUE(open.back().sink != nullptr);
+    }
+    EXPECT_EQ(send(offer(kPhoto + "y", 0, 99), kPhoto + "y"), 429U);
+}
+
+TEST_F(UploadStoreTest, WhoSendsItTooHasSentIt) {
+    ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
+    UploadStore::Offer too = offer(kPhoto, 0, 2);
+    too.title = "hers.jpg";
+    EXPECT_FALSE(store_->progress(2, too.sha256).complete);
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_EQ(send(too, kPhoto), 200U);
+        EXPECT_TRUE(store_->progress(2, too.sha256).complete);
+        ASSERT_EQ(store_->uploads_of(2).size(), 1U);
+        EXPECT_EQ(store_->uploads_of(2).front().title, "hers.jpg");
+        EXPECT_EQ(store_->uploads_of(1).size(), 1U);
+        ASSERT_EQ(store_->uploads().size(), 1U);
+        EXPECT_EQ(store_->uploads().front().title, "a.jpg");
+        reopen();
+    }
+    store_->queue_missing({});
+    EXPECT_EQ(store_->waiting(), 1U);
 }
 
 TEST_F(UploadStoreTest, FullIsSaid) {

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -65,10 +67,25 @@ TEST_F(UsersTest, TokensExpireAndAreTakenBack) {
 TEST_F(UsersTest, NamesAreNamesAndTakenOnce) {
     const auto users = open();
     EXPECT_FALSE(users->add("", UserRole::kLook, 0).ok());
+    EXPECT_FALSE(users->add("  ", UserRole::kLook, 0).ok());
     EXPECT_FALSE(users->add("a\nb", UserRole::kLook, 0).ok());
     EXPECT_FALSE(users->add(std::string(65, 'a'), UserRole::kLook, 0).ok());
     EXPECT_TRUE(users->add("a", UserRole::kLook, 0).ok());
     EXPECT_EQ(users->add("a", UserRole::kLook, 0).error().code, ErrorCode::kDuplicate);
+}
+
+TEST_F(UsersTest, ThatThereWereUsersIsNotForgotten) {
+    EXPECT_FALSE(open()->had_any());
+    ASSERT_TRUE(open()->add("Ada", UserRole::kLook, 0).ok());
+    const auto users = open();
+    EXPECT_TRUE(users->is_valid(1));
+    EXPECT_FALSE(users->is_valid(2));
+    std::filesystem::remove(folder_ / "users.json");
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!users->empty() && std::chrono::steady_clock::now() < end) ::usleep(100'000);
+    EXPECT_TRUE(users->empty());
+    EXPECT_TRUE(users->had_any());
+    EXPECT_FALSE(users->is_valid(1));
 }
 
 TEST_F(UsersTest, DamageIsToldOf) {

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "stages/features/photographs/photo_container.h"
+
+namespace psfm {
+
+// The disk, as uploads want it.
+
+/// @return false: what is in the folder may not outlive the machine
+bool sync_folder(const std::filesystem::path& folder);
+
+/// Appended, or the file is as long as it was.
+/// @param durably  and on the disk, too
+bool append_line(const std::filesystem::path& file, const std::string& line, bool durably);
+
+std::string_view extension_of(PhotoFormat format);
+
+struct PhotoContent {
+    std::string sha256;
+    std::optional<PhotoFormat> format;  ///< nothing: it is no photograph
+    std::uint64_t bytes = 0;
+};
+/// Nothing when the file cannot be opened.
+std::optional<PhotoContent> read_content(const std::filesystem::path& file);
+
+}  // namespace psfm
