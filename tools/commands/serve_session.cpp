@@ -21,6 +21,7 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
+#include "tools/commands/served_run.h"
 #include "tools/commands/session_runner.h"
 #include "tools/serve/api.h"
 #include "tools/serve/http_server.h"
@@ -200,9 +201,6 @@ int serve_session(const ServeRequest& request) {
     served.uploads = *std::move(uploads);
     const auto config = config_of(*served.store, served.uploads->folder());
     if (!config.ok()) return report_error(to_go_on(config.error(), request));
-    const auto known = known_names(*served.store);
-    if (!known.ok()) return report_error(to_go_on(known.error(), request));
-    served.uploads->queue_missing(*known);
     std::unique_ptr<EventLog> log;
     if (!request.log.empty()) {
         auto opened = EventLog::open(request.log);
@@ -227,7 +225,6 @@ int serve_session(const ServeRequest& request) {
     ExecutionOptions execution;
     execution.threads = request.threads;
     execution.idle_bytes = idle_bytes(StoreOptions{});
-    UploadSource source(*served.uploads);
     const PhotoExtractor extract = [preset = config->preset](const PhotoFile& photo) {
         return extract_in_sandbox(photo, preset);
     };
@@ -235,8 +232,9 @@ int serve_session(const ServeRequest& request) {
     {
         Progress progress(request.session, 0, std::move(log));
         Observers observers(progress, *served.live);
-        run = run_session(*served.store, *config, execution, source, observers, stop_serving,
-                          nullptr, extract);
+        const ServedParts parts{served.store.get(), &*config, served.uploads.get(),
+                                served.live.get(), &observers};
+        run = run_served(parts, execution, extract, stop_serving);
         if (run.ok()) progress.on_end(*run);
     }
     served.server->stop();

@@ -39,6 +39,13 @@ HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
             response.headers.emplace_back("Upload-Length", std::to_string(progress.length));
         return at_once(std::move(response));
     }
+    if (head.method == "DELETE") {
+        return by_work(
+            [this, user, sha256](const HttpRequest&) {
+                return parts_.uploads->remove(user.number, sha256, user.role == UserRole::kOwner);
+            },
+            Lane::kModel);
+    }
     const auto name = head.query.find("name");
     std::string title = title_of(name == head.query.end() ? std::string() : name->second);
     constexpr std::size_t kOfHash = 12;  // Guard: tells a session's photographs from each other
@@ -58,7 +65,7 @@ HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
         if (!offer.length && !head.header("upload-length").empty())
             return at_once(problem(400, "Upload-Length is a number of bytes"));
     } else {
-        return at_once(problem(405, "HEAD, PATCH and PUT are what a photograph takes"));
+        return at_once(problem(405, "HEAD, PATCH, PUT and DELETE are what a photograph takes"));
     }
     UploadStore::Admission admission = parts_.uploads->admit(offer);
     if (admission.refusal) return at_once(*std::move(admission.refusal));

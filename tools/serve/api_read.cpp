@@ -12,7 +12,7 @@
 #include "tools/serve/api.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/replay.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/upload_files.h"
 
 namespace psfm {
 namespace {
@@ -223,8 +223,7 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
     // Expected: without them it is not known where the photograph lies
     const auto photo = folders.ok() ? find_photo(*folders, facts[image].name) : std::nullopt;
     if (!photo) return problem(404, "this photograph is not where the session had it");
-    const std::filesystem::path kept =
-        parts_.session / "thumbnails" / (sha256_hex(facts[image].name) + ".jpg");
+    const std::filesystem::path kept = thumbnail_file(parts_.session, facts[image].name);
     std::string bytes;
     if (std::ifstream stream(kept, std::ios::binary); stream) {
         bytes.assign(std::istreambuf_iterator<char>(stream), {});

@@ -90,6 +90,14 @@ void LiveSession::on_version(ScenePtr scene) {
     wake_.notify_all();
 }
 
+void LiveSession::on_removal() {
+    {
+        const std::lock_guard lock(inbox_mutex_);
+        reads_anew_ = looks_again_ = true;
+    }
+    wake_.notify_all();
+}
+
 void LiveSession::run() {
     // Guard: while versions come every second or so, only what is seen is told; then the rest of
     // it.
@@ -110,6 +118,12 @@ void LiveSession::run() {
         const bool settles = !is_news && !told && !exact && seconds_since(last) >= kSettledAfter;
         ScenePtr scene = std::exchange(next_, nullptr);
         looks_again_ = false;
+        if (std::exchange(reads_anew_, false)) {
+            memory_ = {};
+            edges_ = EdgeBook(options_of(*reader_));
+            colours_ = FeatureColours(*reader_);
+            hint_book_ = HintBook();
+        }
         lock.unlock();
         if (is_news || settles) {
             if (!scene) scene = scene_version();

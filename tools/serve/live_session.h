@@ -49,6 +49,8 @@ class LiveSession final : public SessionObserver {
     void on_publish(const PublishMessage& publish) override;
     /// From who follows another process: a version has come.
     void on_version(ScenePtr scene);
+    /// Photographs were taken out of the session: what is known of pairs and features is read anew.
+    void on_removal();
 
     struct Bytes {
         std::shared_ptr<const std::string> plain, gzip;
@@ -84,6 +86,7 @@ class LiveSession final : public SessionObserver {
     mutable std::mutex inbox_mutex_;
     std::condition_variable wake_;
     ScenePtr next_;
+    bool reads_anew_ = false;
     bool looks_again_ = false;  ///< something has become of a photograph without a version
     bool over_ = false;
 

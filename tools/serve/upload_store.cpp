@@ -60,26 +60,38 @@ Result<void> UploadStore::read_log() {
         const auto object = nlohmann::json::parse(line, nullptr, false);
         if (!object.is_object()) continue;  // broken off by a crash: it was never acknowledged
         try {
+            if (object.contains("removed")) {
+                auto file =
+                    take_back(object.at("user").get<std::uint32_t>(),
+                              object["removed"].get<std::string>(), object.contains("of_all"));
+                if (file) removed_.push_back(*std::move(file));
+                continue;
+            }
             Upload upload{
                 object.at("sha256").get<std::string>(), object.at("user").get<std::uint32_t>(),
                 object.at("name").get<std::string>(), object.at("file").get<std::string>(),
                 object.at("time").get<std::int64_t>()};
             const bool is_new = !sent_by_.contains({upload.user, upload.sha256});
             if (!is_sha256(upload.sha256) || !is_new) continue;
-            std::error_code error;
+            std::error_code error;  // Expected: removed since
             const auto bytes = fs::file_size(folder_ / upload.file, error);
-            if (error) continue;  // removed since
             sent_by_.emplace(upload.user, upload.sha256);
             if (by_sha256_.contains(upload.sha256)) {
                 repeats_.push_back(std::move(upload));
                 continue;
             }
-            bytes_of_user_[upload.user] += bytes;
+            bytes_of_user_[upload.user] += error ? 0 : bytes;
             by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
             uploads_.push_back(std::move(upload));
         } catch (const nlohmann::json::exception&) {
             continue;
         }
+    }
+    std::erase_if(removed_, [&](const std::string& file) { return by_file_.contains(file); });
+    // Files that somebody else removed may come again.
+    for (const Upload& upload : std::vector(uploads_)) {
+        std::error_code error;  // Expected: it is not there
+        if (!fs::exists(folder_ / upload.file, error)) take_back(upload.user, upload.sha256, true);
     }
     return {};
 }
@@ -253,6 +265,7 @@ HttpResponse UploadStore::complete(const Offer& offer, const fs::path& part) {
     unfinished_.end(upload.user, upload.sha256);
     sent_by_.emplace(upload.user, upload.sha256);
     by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
+    std::erase(removed_, upload.file);
     queue_.push_back({file, upload.file});
     uploads_.push_back(std::move(upload));
     HttpResponse response = offset_answer(201, content->bytes);
@@ -304,6 +317,7 @@ std::size_t UploadStore::waiting() const {
 
 void UploadStore::queue_missing(const std::set<std::string>& known_names) {
     const std::lock_guard lock(mutex_);
+    queue_.clear();
     for (const Upload& upload : uploads_) {
         if (!known_names.contains(upload.file))
             queue_.push_back({folder_ / upload.file, upload.file});

@@ -79,6 +79,17 @@ class UploadStore {
     /// Does not wait for the disk but for a look at a file's length.
     Admission admit(const Offer& offer);
 
+    /// A photograph that somebody has sent, or begun to send, is his no more; when it is nobody's,
+    /// its file and thumbnail are removed, and the session is to lose it (take_removed). On a
+    /// thread that may wait for the disk.
+    /// @param whoever_sent  it is nobody's afterwards
+    /// @return 204, or why not
+    HttpResponse remove(std::uint32_t user, const std::string& sha256, bool whoever_sent);
+    bool has_removed() const;
+    /// Names in the session of photographs that were removed and that it may still have, those of
+    /// earlier processes among them.
+    std::vector<std::string> take_removed();
+
     std::vector<Upload> uploads() const;  ///< each photograph once, of who sent it first
     /// All that a user has sent, also after somebody else, in order.
     std::vector<Upload> uploads_of(std::uint32_t user) const;
@@ -89,7 +100,7 @@ class UploadStore {
     /// The next photograph for the engine; nothing at present.
     std::optional<PhotoFile> take();
     std::size_t waiting() const;
-    /// Photographs that an earlier process was sent and the session lacks: they wait again.
+    /// Photographs that were sent and the session lacks: they wait (again).
     void queue_missing(const std::set<std::string>& known_names);
 
   private:
@@ -102,6 +113,9 @@ class UploadStore {
     std::optional<HttpResponse> refuse_share(const Offer& offer, std::uint64_t length) const;
     HttpResponse know_again(const Offer& offer);
     void remove_abandoned();
+    /// @return the name in the session of a photograph that nobody has sent any more
+    std::optional<std::string> take_back(std::uint32_t user, const std::string& sha256,
+                                         bool whoever_sent);
     // Of a sink, on the disk thread; `part` is where its bytes are.
     void give_up(const Offer& offer, const std::filesystem::path& part);
     HttpResponse complete(const Offer& offer, const std::filesystem::path& part);
@@ -118,6 +132,7 @@ class UploadStore {
     std::int64_t look_for_abandoned_ = 0;
     std::map<std::string, std::uint32_t> open_;  // hashes that are sent at present, and by whom
     std::deque<PhotoFile> queue_;
+    std::vector<std::string> removed_;  // by name in the session, since take_removed()
 };
 
 /// What users send, for run_session; never ends.

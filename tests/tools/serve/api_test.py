@@ -73,7 +73,7 @@ class Api(ServeCase):
         self.assertEqual(server.put(b"hello")[0], 415)
         self.assertEqual(server.ask("PUT", f"{API}/photographs/{'0' * 64}", self.photos[0])[0], 422)
         self.assertEqual(server.ask("PUT", f"{API}/photographs/..%2f..%2fetc", self.photos[0])[0], 404)
-        self.assertEqual(server.ask("DELETE", f"{API}/photographs/{'0' * 64}")[0], 405)
+        self.assertEqual(server.ask("POST", f"{API}/photographs/{'0' * 64}")[0], 405)
         status, headers, body = server.ask("GET", API + "/nothing")
         self.assertEqual((status, headers["Content-Type"]), (404, "application/problem+json"))
         self.assertEqual(json.loads(body)["status"], 404)

@@ -62,6 +62,60 @@ class Uploads(ServeCase):
         return self.server.ask("PATCH", self.url(data), data[at:end], token, Upload_Offset=str(at),
                                Content_Type="application/offset+octet-stream", **more)
 
+    def names(self, token):
+        return sorted(image["title"] for image in self.server.json("/session", token)["image_list"])
+
+    def remove(self, data, token):
+        return self.server.ask("DELETE", self.url(data), token=token)[0]
+
+    def test_who_sent_a_photograph_takes_it_back(self):
+        tokens = {name: self.user(name, role) for name, role in
+                  [("Ada", "send"), ("Bob", "send"), ("Lou", "look"), ("Own", "owner")]}
+        self.serve()
+        for i, data in enumerate(self.photos):
+            self.assertEqual(self.server.put(data, f"{i}.jpg", tokens["Ada"])[0], 201)
+        self.wait_for(lambda: self.server.json("/session", tokens["Ada"])["counts"]["placed"] == 6)
+        first, second, third = self.photos[:3]
+        self.assertEqual(self.server.put(second, "again.jpg", tokens["Bob"])[0], 200)
+        self.assertEqual(self.remove(first, tokens["Bob"]), 404, "it is not his")
+        self.assertEqual(self.remove(first, tokens["Lou"]), 403)
+        self.assertEqual(self.server.ask("GET", f"{API}/images/0/thumbnail", token=tokens["Ada"])[0], 200)
+        before = len(self.files())
+        self.assertEqual(self.remove(first, tokens["Ada"]), 204)
+        self.assertEqual(len(self.files()), before - 2, "the photograph and its thumbnail are gone at once")
+        self.assertEqual(self.remove(first, tokens["Ada"]), 404)
+        self.wait_for(lambda: self.names(tokens["Ada"]) == [f"{i}.jpg" for i in range(1, 6)])
+        # Bob has sent it, too: it stays, and is his.
+        self.assertEqual(self.remove(second, tokens["Ada"]), 204)
+        self.wait_for(lambda: self.names(tokens["Ada"]) == ["2.jpg", "3.jpg", "4.jpg", "5.jpg", "again.jpg"])
+        self.assertEqual(self.remove(third, tokens["Own"]), 204)
+        self.wait_for(lambda: self.names(tokens["Ada"]) == ["3.jpg", "4.jpg", "5.jpg", "again.jpg"])
+        self.wait_for(lambda: self.server.json("/session", tokens["Ada"])["counts"]["placed"] == 4)
+        # It may come in again, and all that holds for the next server.
+        self.assertEqual(self.server.put(first, "anew.jpg", tokens["Ada"])[0], 201)
+        self.wait_for(lambda: "anew.jpg" in self.names(tokens["Ada"]))
+        self.assertEqual(self.server.stop(signal.SIGKILL), -signal.SIGKILL)
+        self.serve()
+        self.wait_for(lambda: self.names(tokens["Ada"]) == ["3.jpg", "4.jpg", "5.jpg", "again.jpg", "anew.jpg"])
+        self.assertEqual(self.server.put(third, "third.jpg", tokens["Bob"])[0], 201)
+        self.assertEqual(self.server.stop(), 0)
+
+    def test_a_removal_outlives_a_server_that_dies_at_once(self):
+        token = self.user("Ada")
+        self.serve()
+        for i, data in enumerate(self.photos[:3]):
+            self.assertEqual(self.server.put(data, f"{i}.jpg", token)[0], 201)
+        self.wait_for(lambda: len(self.names(token)) == 3)
+        self.assertEqual(self.remove(self.photos[0], token), 204)
+        self.server.stop(signal.SIGKILL)
+        self.serve()
+        self.wait_for(lambda: self.names(token) == ["1.jpg", "2.jpg"])
+        for data in self.photos[1:3]:  # down to none
+            self.assertEqual(self.remove(data, token), 204)
+        self.wait_for(lambda: self.names(token) == [])
+        self.assertEqual(self.server.put(self.photos[0], "0.jpg", token)[0], 201)
+        self.wait_for(lambda: self.names(token) == ["0.jpg"])
+
     def test_a_client_of_tus_goes_on(self):
         token = self.user("Ada")
         self.serve()

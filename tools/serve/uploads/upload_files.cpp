@@ -22,6 +22,10 @@ bool sync_folder(const fs::path& folder) {
     return done;
 }
 
+fs::path thumbnail_file(const fs::path& session, const std::string& name) {
+    return session / "thumbnails" / (sha256_hex(name) + ".jpg");
+}
+
 bool append_line(const fs::path& file, const std::string& line, bool durably) {
     constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
     const int descriptor =

@@ -17,6 +17,9 @@ namespace psfm {
 /// @return false: what is in the folder may not outlive the machine
 bool sync_folder(const std::filesystem::path& folder);
 
+/// Where the thumbnail of a photograph of the session is kept.
+std::filesystem::path thumbnail_file(const std::filesystem::path& session, const std::string& name);
+
 /// Appended, or the file is as long as it was.
 /// @param durably  and on the disk, too
 bool append_line(const std::filesystem::path& file, const std::string& line, bool durably);
