@@ -34,9 +34,8 @@ HttpPlan Api::plan_photograph(const HttpRequest& head, const User& user) {
         HttpResponse response;
         response.length = 0;
         response.headers = {{"Upload-Offset", std::to_string(progress.offset)},
+                            {"Upload-Length", std::to_string(progress.length)},
                             {"Cache-Control", "no-store"}};
-        if (progress.complete)
-            response.headers.emplace_back("Upload-Length", std::to_string(progress.length));
         return at_once(std::move(response));
     }
     if (head.method == "DELETE") {

@@ -77,6 +77,13 @@ class Test:
                 sys.exit(f"after a full disk of {size} bytes the session ends otherwise")
         return acknowledged
 
+    def served(self):
+        """The way on is the command that was stopped, and not `resume`, which would serve nobody."""
+        session = self.disk / "session"
+        with Disk(self.disk, "64k"):
+            self.expect(self.psfm("serve", "--session", session, "--listen", "127.0.0.1:0"), 1,
+                        f"the disk is full; make space, then run: psfm serve --session {session} --listen 127.0.0.1:0\n")
+
     def read_only(self):
         session = self.disk / "session"
         with Disk(self.disk, LARGE) as disk:
@@ -104,6 +111,7 @@ def main():
         # What the session's records take is the least that it needs.
         needed = sum(int(line.split()[2]) for line in test.records.splitlines())
         acknowledged = [test.full(needed * point // points) for point in range(1, points + 1)]
+        test.served()
         test.read_only()
         print(f"{points} disks of {needed // points} to {needed} bytes became full, after {acknowledged} images; "
               "nothing was lost")
