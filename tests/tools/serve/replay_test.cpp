@@ -67,8 +67,7 @@ std::shared_ptr<SceneCluster> arc(std::uint32_t id, std::uint32_t first, std::ui
     Reconstruction model;
     for (std::uint32_t i = first; i < first + count; ++i) {
         RegisteredImage image{ImageId{i}, CameraId{0}, {}};
-        image.cam_from_cluster.rotation =
-            Eigen::AngleAxisd(step_rad * i, Eigen::Vector3d::UnitY());
+        image.cam_from_cluster.rotation = Eigen::AngleAxisd(step_rad * i, Eigen::Vector3d::UnitY());
         image.cam_from_cluster.translation = {0.0, 0.1 * i, 4.0};
         model.images.push_back(image);
     }
@@ -104,15 +103,14 @@ std::pair<double, double> off(const std::map<std::uint32_t, ReplayPose>& shown,
             const auto found = shown.find(index_of(image.image));
             if (found == shown.end()) continue;
             ++seen;
-            const Rigid3 pose =
-                transform_pose(image.cam_from_cluster, cluster->world_from_cluster);
-            worst.first = std::max(worst.first, (found->second.centre.cast<double>() -
-                                                 pose.target_origin_in_source())
-                                                    .norm());
+            const Rigid3 pose = transform_pose(image.cam_from_cluster, cluster->world_from_cluster);
+            worst.first = std::max(
+                worst.first,
+                (found->second.centre.cast<double>() - pose.target_origin_in_source()).norm());
             EXPECT_NEAR(found->second.cam_from_world.norm(), 1.F, 1e-3F);
-            worst.second = std::max(
-                worst.second, pose.rotation.angularDistance(
-                                  found->second.cam_from_world.normalized().cast<double>()));
+            worst.second = std::max(worst.second,
+                                    pose.rotation.angularDistance(
+                                        found->second.cam_from_world.normalized().cast<double>()));
         }
     }
     EXPECT_EQ(seen, shown.size());
