@@ -89,6 +89,7 @@ export class Frusta {
       const next = (): void => { --this.fetched; this.fetch(); this.changed(); };
       picture.texture = new THREE.TextureLoader().load(url, (texture) => {
         texture.colorSpace = THREE.SRGBColorSpace;
+        texture.anisotropy = 4; // frusta are seen from the side
         if (this.pictures.get(image) === picture) {
           picture.mesh.material.map = texture;
           this.world.add(picture.mesh);

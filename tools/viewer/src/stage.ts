@@ -60,7 +60,11 @@ export class Stage {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.enableDamping = false;
     controls.zoomToCursor = true;
-    controls.addEventListener("change", () => { this.moving = performance.now() + 250; this.draw(); });
+    controls.addEventListener("change", () => {
+      this.camera.updateMatrixWorld(); // what is picked does not wait for a frame
+      this.moving = performance.now() + 250;
+      this.draw();
+    });
     return controls;
   }
 

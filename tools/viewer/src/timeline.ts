@@ -20,7 +20,8 @@ export class Timeline {
     this.slider.addEventListener("input", () => void this.slide());
     this.element.append(this.play, this.slider, this.text, button("Now", () => this.now()));
     this.text.textContent = "now";
-    this.slider.max = this.slider.value = "1000"; // until the versions are known, only the share counts
+    this.slider.max = "1000"; // until the versions are known, only the share counts
+    this.slider.value = "1000";
   }
   private async load(): Promise<Replay> {
     if (this.replay) return this.replay;
