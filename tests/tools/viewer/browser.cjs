@@ -38,10 +38,17 @@ function psfm(...words) {
 
 /** psfm serve or psfm view on a port of its own. */
 function serve(command, session, ...options) {
+  return serve_at(0, command, session, ...options);
+}
+function serve_at(port, command, session, ...options) {
   return new Promise((resolve, reject) => {
-    const child = spawn(path.join(BUILD, "psfm"), [command, "--session", session, "--listen", "127.0.0.1:0", ...options]);
+    const child = spawn(path.join(BUILD, "psfm"), [command, "--session", session, "--listen", `127.0.0.1:${port}`, ...options]);
     let text = "";
-    const end = () => { child.removeAllListeners("exit"); child.kill("SIGTERM"); };
+    const end = () => new Promise((ended) => {
+      child.removeAllListeners("exit");
+      child.on("exit", ended);
+      child.kill("SIGTERM");
+    });
     child.stdout.on("data", (data) => {
       text += data;
       const found = /http:\/\/127\.0\.0\.1:\d+/.exec(text);
@@ -77,4 +84,4 @@ async function run(test) {
   }
 }
 
-module.exports = { BUILD, folder, psfm, serve, accessible, check, run };
+module.exports = { BUILD, folder, psfm, serve, serve_at, accessible, check, run };

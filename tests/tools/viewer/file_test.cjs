@@ -44,6 +44,10 @@ run(async (chrome) => {
   check(await page.locator(".row").count() === 1, "a search by name finds one");
   await page.locator(".row").click();
   check((await page.locator("#panel-details h2").first().textContent()) === name, "a photograph that is chosen is told of");
+  check((await page.locator("#panel-details").textContent()).includes("Pictures are not in this file") && await page.locator(".picture").count() === 0, "that pictures are not in the file is said");
+  await page.getByRole("region", { name: "Photographs that it matches" }).getByRole("button").first().click();
+  check(/ matches fit one geometry/.test(await page.locator("#panel-details").textContent()) && await page.evaluate(() => window.psfm.selected.length) === 2,
+    "a photograph that another matches opens the two");
   const picked = await page.evaluate(async () => {
     const { stage, model } = window.psfm;
     stage.fit();
@@ -69,6 +73,38 @@ run(async (chrome) => {
   const early = await page.evaluate(() => ({ cameras: window.psfm.stage.shownPoses().length, time: window.psfm.stage.time }));
   check(early.cameras < status.placed && early.time <= IMAGES, `after ${early.time} photographs ${early.cameras} were placed`);
   if (process.argv[3]) await page.screenshot({ path: path.join(process.argv[3], "replay.png") });
+  const wrong = await page.evaluate(() => {
+    const { stage, model } = window.psfm, placed = new Set(stage.shownPoses().map((pose) => pose.image));
+    let wrong = 0, shown = 0;
+    for (const cluster of model.clusters.values()) {
+      for (let i = 0; i < cluster.slots; ++i) {
+        if (!stage.clouds.get(cluster.id).shows(i, stage.time)) continue;
+        ++shown;
+        if (!placed.has(cluster.firsts[i]) || !placed.has(cluster.born[i] - 1)) ++wrong;
+      }
+    }
+    return { wrong, shown };
+  });
+  check(wrong.shown > 0 && wrong.wrong <= 0.02 * wrong.shown, `${wrong.shown} points are shown then, of photographs that stood then, but for ${wrong.wrong}`);
+  await page.evaluate(() => window.psfm.timeline.go(0));
+  const none = await page.evaluate(() => ({ cameras: window.psfm.stage.shownPoses().length, points: window.psfm.stage.sample(1e9, null).length }));
+  check(none.cameras > 0 || none.points === 0, "without a camera there is no point");
+  const last = await page.evaluate(async () => {
+    const { stage, timeline } = window.psfm;
+    await timeline.go(1e9);
+    const then = stage.shownPoses(), points = stage.sample(1e9, null).length;
+    stage.setReplay(null, null);
+    const now = new Map(stage.shownPoses().map((pose) => [pose.image, pose]));
+    const extent = Math.max(...[0, 1, 2].map((axis) => Math.max(...then.map((p) => p.centre[axis])) - Math.min(...then.map((p) => p.centre[axis]))));
+    let place = 0, turn = 0;
+    for (const pose of then) {
+      const other = now.get(pose.image);
+      place = Math.max(place, Math.hypot(...pose.centre.map((v, i) => v - other.centre[i])) / extent);
+      turn = Math.max(turn, 1 - Math.abs(pose.q.reduce((sum, v, i) => sum + v * other.q[i], 0)));
+    }
+    return { same: then.length === now.size, place, turn, points, all: stage.sample(1e9, null).length };
+  });
+  check(last.same && last.place < 2e-3 && last.turn < 1e-3 && last.points === last.all, `the last version is now ${JSON.stringify(last)}`);
   await page.getByRole("button", { name: "Now" }).click();
   check(await page.evaluate(() => window.psfm.stage.shownPoses().length) === status.placed, "now is now again");
 

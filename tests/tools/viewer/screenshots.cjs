@@ -27,6 +27,6 @@ run(async (chrome) => {
     await page.evaluate(() => { const { stage } = window.psfm; stage.fit(); stage.turn(0.6, -0.25); stage.zoom(0.75); });
     await picture("photograph");
   } finally {
-    server.end();
+    await server.end();
   }
 }).catch((error) => { console.error(error); process.exit(1); });

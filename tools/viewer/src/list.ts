@@ -17,8 +17,9 @@ export class ImageList {
   private shown: ImageFact[] = [];
   private state = "";
   private chosen: number | null = null;
+  private current: ImageFact | null = null; // where the keys are: rejected ones have no number
 
-  constructor(private facts: ImageFact[], private readonly choose: (fact: ImageFact) => void) {
+  constructor(private facts: ImageFact[], private readonly choose: (fact: ImageFact, how: "open" | "pair" | "stay") => void) {
     this.search.addEventListener("input", () => this.filter());
     this.box.addEventListener("scroll", () => this.fill());
     this.box.addEventListener("keydown", (event) => this.key(event));
@@ -29,7 +30,11 @@ export class ImageList {
     this.filter();
   }
   update(facts: ImageFact[]): void { this.facts = facts; this.filter(); }
-  mark(image: number | null): void { this.chosen = image; this.fill(); }
+  mark(image: number | null): void {
+    this.chosen = image;
+    if (image !== null) this.current = null;
+    this.fill();
+  }
 
   private filter(): void {
     const words = this.search.value.toLowerCase();
@@ -46,19 +51,24 @@ export class ImageList {
   private row(fact: ImageFact, at: number): HTMLElement {
     const what = fact.state === "placed" ? `${fact.inliers} points, ${fact.error_px?.toFixed(2)} px, cluster ${fact.cluster}`
       : fact.advice ? `${fact.words} – ${fact.advice}` : fact.words;
-    const row = el("div", { class: `row ${fact.state}`, role: "option", "aria-selected": String(fact.id !== undefined && fact.id === this.chosen), title: what },
+    const row = el("div", { class: `row ${fact.state}`, role: "option", "aria-selected": String(fact === this.current || (fact.id !== undefined && fact.id === this.chosen)), title: what },
       el("span", { class: "name" }, el("span", { class: "dot", "aria-hidden": "true" }), titleOf(fact), " ", el("span", { class: "state" }, fact.state)), el("span", { class: "what" }, what));
     row.style.top = `${at * ROW_PX}px`;
-    row.addEventListener("click", () => this.choose(fact));
+    row.addEventListener("click", (event) => {
+      this.current = fact.id === undefined ? fact : null;
+      this.choose(fact, event.ctrlKey || event.metaKey || event.shiftKey ? "pair" : "open");
+    });
     return row;
   }
   private key(event: KeyboardEvent): void {
-    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
-    if (step === 0 || this.shown.length === 0) return;
+    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0, isOpening = event.key === "Enter";
+    if ((step === 0 && !isOpening) || this.shown.length === 0) return;
     event.preventDefault();
-    const at = this.shown.findIndex((f) => f.id !== undefined && f.id === this.chosen);
+    const at = this.shown.findIndex((f) => f === this.current || (f.id !== undefined && f.id === this.chosen));
+    if (isOpening) { if (at >= 0) this.choose(this.shown[at], "open"); return; }
     const next = Math.min(this.shown.length - 1, Math.max(0, at + step));
     if (next * ROW_PX < this.box.scrollTop || (next + 1) * ROW_PX > this.box.scrollTop + this.box.clientHeight) this.box.scrollTop = next * ROW_PX;
-    this.choose(this.shown[next]);
+    this.current = this.shown[next];
+    this.choose(this.current, "stay");
   }
 }

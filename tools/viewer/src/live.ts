@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Follows a running session: one stream of events, and the changes that they announce.
-import { ImageFact, ServerSource, Session } from "./source";
+import { EventLine } from "./events";
+import { ImageFact, ServerError, ServerSource, Session } from "./source";
 import type { Viewer } from "./viewer";
 
 const UNKNOWN_MS = 1000, SEEN_MS = 5000, QUIET_MS = 3000;
 
 export class Live {
-  private stream: EventSource | null = null;
+  private readonly line: EventLine;
   private busy = false;
   private again = false;
   private wanted = 0; // number of the last change that was announced
@@ -15,33 +16,37 @@ export class Live {
   private fetched = 0; // when everything but the model was fetched last [ms]
   private timer = 0;
 
-  constructor(private readonly viewer: Viewer, private readonly source: ServerSource) {}
+  constructor(private readonly viewer: Viewer, private readonly source: ServerSource) {
+    const { session } = viewer;
+    const on = <T>(act: (data: T) => void) => (data: string): void => act(JSON.parse(data) as T);
+    this.line = new EventLine(`${source.base}/events`, `${source.base}/session`, {
+      hello: () => void this.all(), // also when the page was hidden for a while
+      reset: () => void this.all(),
+      image: on<ImageFact>((image) => this.image(image)),
+      version: on<Session["counts"] & Pick<Session, "weak_models"> & { change: number }>((version) => {
+        viewer.session.counts = version;
+        viewer.session.weak_models = version.weak_models;
+        this.wanted = version.change;
+        viewer.tell();
+        void this.catchUp().then(() => this.later());
+      }),
+      event: on<Session["events"][0]>((event) => { viewer.session.events.push(event); viewer.tell(); }),
+      hint: on<Session["hints"]>((hints) => { viewer.session.hints = hints; viewer.tell(); }),
+    }, (state) => {
+      viewer.say(state === "there" ? "" : state === "gone" ? "the server does not answer; trying again"
+        : session.me ? "this link has been taken back or has run out; ask for a new one" : "the server wants a link now; ask for one");
+      if (state === "there") void this.all();
+    });
+  }
+  start(): void { this.line.open(); }
+  get isThere(): boolean { return this.line.state === "there"; }
+  /** @return whether a request failed for want of an answer, or of a link: that is told once it is known which */
+  failed(error: Error): boolean {
+    const isLine = error instanceof ServerError && (error.status === 0 || error.status === 401);
+    if (isLine && error.status === 401) this.line.refuse(); else if (isLine) void this.line.ask();
+    return isLine;
+  }
 
-  start(): void {
-    this.open();
-    // None when hidden: browsers have few connections for one host.
-    document.addEventListener("visibilitychange", () => {
-      if (document.hidden) { this.stream?.close(); this.stream = null; } else if (!this.stream) { this.open(); }
-    });
-  }
-  private on<T>(kind: string, act: (data: T) => void): void {
-    this.stream!.addEventListener(kind, (event) => act(JSON.parse((event as MessageEvent<string>).data) as T));
-  }
-  private open(): void {
-    this.stream = new EventSource(`${this.source.base}/events`);
-    this.on("hello", () => void this.all()); // also when the page was hidden for a while
-    this.on("reset", () => void this.all());
-    this.on<ImageFact>("image", (image) => this.image(image));
-    this.on<Session["counts"] & Pick<Session, "weak_models"> & { change: number }>("version", (version) => {
-      this.viewer.session.counts = version;
-      this.viewer.session.weak_models = version.weak_models;
-      this.wanted = version.change;
-      this.viewer.tell();
-      void this.catchUp().then(() => this.later());
-    });
-    this.on<Session["events"][0]>("event", (event) => { this.viewer.session.events.push(event); this.viewer.tell(); });
-    this.on<Session["hints"]>("hint", (hints) => { this.viewer.session.hints = hints; this.viewer.tell(); });
-  }
   private image(image: ImageFact): void {
     const list = this.viewer.session.image_list;
     const at = image.id !== undefined ? list.findIndex((known) => known.id === image.id) : list.findIndex((known) => known.name === image.name);
@@ -72,11 +77,14 @@ export class Live {
       this.viewer.list.update(session.image_list);
       this.viewer.stage.setFrame(session.cameras, session.up, session.in_metres);
       this.viewer.stage.setEdges(session.edges);
+      this.viewer.details.refresh();
       this.viewer.tell();
       this.wanted = Infinity;
+      this.viewer.say("");
+      this.viewer.stage.frusta.tryAgain();
       await this.catchUp();
     } catch (error) {
-      this.viewer.fail(error as Error);
+      if (!this.failed(error as Error)) this.viewer.say((error as Error).message);
     }
   }
   /** One at a time; what comes meanwhile is taken along by the next. */
@@ -89,7 +97,7 @@ export class Live {
         if (this.wanted > this.viewer.model.number) await this.once();
       } while (this.again);
     } catch (error) {
-      this.viewer.fail(error as Error);
+      if (!this.failed(error as Error)) this.viewer.say((error as Error).message);
     } finally {
       this.busy = false;
     }

@@ -29,7 +29,8 @@ void main() {
   gl_PointSize = size;
 }`;
 const FRAGMENT = `varying vec3 shade; void main() { gl_FragColor = vec4(shade, 1.0); }`;
-const NEVER = 3e9; // born later than anything
+// Times in the card's floats, which tell them apart: now is later than what no version of a replay has.
+const LATER = 1e9, NOW = 2e9, NEVER = 3e9;
 
 export function hueOf(n: number): THREE.Color {
   return new THREE.Color().setHSL((n * 0.618034) % 1, 0.65, 0.6);
@@ -41,11 +42,13 @@ export class PointCloud {
   private readonly material: THREE.ShaderMaterial;
   private room = 0;
   private version = -1;
+  private born = new Float32Array(0); // photographs that had come when each point appeared
+  private placedAt: ReadonlyMap<number, number> | null = null;
   count = 0; // slots
 
   constructor(readonly cluster: Cluster, readonly userOf: (image: number) => number) {
     this.material = new THREE.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT,
-      uniforms: { size: { value: 2 }, time: { value: NEVER - 1 }, mode: { value: 0 }, own: { value: hueOf(cluster.id) } } });
+      uniforms: { size: { value: 2 }, time: { value: NOW }, mode: { value: 0 }, own: { value: hueOf(cluster.id) } } });
     this.object = new THREE.Points(this.geometry, this.material);
     this.object.matrixAutoUpdate = false;
     this.object.frustumCulled = false;
@@ -60,11 +63,10 @@ export class PointCloud {
     this.object.matrixWorldNeedsUpdate = true;
     if (this.version === c.version) return;
     this.version = c.version;
-    const n = c.slots, figures = new Uint8Array(2 * c.born.length), born = new Float32Array(c.born.length), user = new Float32Array(c.born.length);
+    const n = c.slots, figures = new Uint8Array(2 * c.born.length), born = this.begins(), user = new Float32Array(c.born.length);
     for (let i = 0; i < c.born.length; ++i) {
       figures[2 * i] = c.errors[i];
       figures[2 * i + 1] = c.tracks[i];
-      born[i] = c.born[i] === NOWHERE ? NEVER : c.born[i];
       user[i] = this.userOf(c.firsts[i]);
     }
     if (c.born.length !== this.room) { // a buffer that grows is a new one
@@ -87,6 +89,25 @@ export class PointCloud {
       this.geometry.setIndex(new THREE.BufferAttribute(shuffled(n), 1));
     }
   }
+  /** The two photographs that saw a point first have to be placed, as well as the replay knows. */
+  private begins(): Float32Array<ArrayBuffer> {
+    const c = this.cluster, at = this.placedAt, born = new Float32Array(c.born.length);
+    for (let i = 0; i < c.born.length; ++i) {
+      const second = c.born[i];
+      born[i] = second === NOWHERE ? NEVER : at ? Math.max(second, at.get(c.firsts[i]) ?? LATER, at.get(second - 1) ?? LATER) : second;
+    }
+    return this.born = born;
+  }
+  /** @param placedAt  photographs that had come when each was placed first, of a replay; null: as they came */
+  begin(placedAt: ReadonlyMap<number, number> | null): void {
+    if (placedAt === this.placedAt) return;
+    this.placedAt = placedAt;
+    this.refill("born", this.begins());
+  }
+  /** Whether a point is seen, now or at the version of so many photographs. */
+  shows(slot: number, time: number | null): boolean {
+    return this.object.visible && this.born[slot] <= (time ?? NOW);
+  }
   private attribute(name: string, array: Float32Array | Uint8Array, size: number, normalised: boolean): void {
     const attribute = new THREE.BufferAttribute(array, size, normalised);
     attribute.setUsage(THREE.DynamicDrawUsage);
@@ -105,7 +126,7 @@ export class PointCloud {
   set(mode: ColourMode, size: number, time: number | null): void {
     this.material.uniforms.mode.value = MODES.indexOf(mode);
     this.material.uniforms.size.value = size;
-    this.material.uniforms.time.value = time ?? NEVER - 1;
+    this.material.uniforms.time.value = time ?? NOW;
   }
   dispose(): void { this.geometry.dispose(); this.material.dispose(); }
 }

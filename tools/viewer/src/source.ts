@@ -37,8 +37,10 @@ export interface Session {
 export interface Observation { x: number; y: number; dx: number; dy: number; cluster: number; slot: number }
 export interface Match { x1: number; y1: number; x2: number; y2: number }
 
-/** Poses of all versions, each as what has changed since the one before. */
+/** Poses of all versions, each as what has changed since the one before. The last is the session's latest. */
 export class Replay {
+  /** Photographs that had come when each was placed first. */
+  readonly placedAt = new Map<number, number>();
   readonly versions: { images: number; changes: { image: number; q: Quat; centre: Vec3 }[]; gone: number[] }[] = [];
   constructor(bytes: Uint8Array) {
     if (bytes.length === 0) return;
@@ -53,6 +55,7 @@ export class Replay {
         return { image, q, centre };
       });
       const gone = Array.from({ length: r.leb() }, () => r.leb());
+      for (const { image } of changes) if (!this.placedAt.has(image)) this.placedAt.set(image, images);
       this.versions.push({ images, changes, gone });
     }
   }
@@ -109,6 +112,7 @@ function readTracks(bytes: Uint8Array): Map<number, Uint32Array[]> {
   return all;
 }
 
+export const NO_ANSWER = "the server does not answer";
 export class ServerError extends Error {
   constructor(readonly status: number, message: string) { super(message); }
 }
@@ -117,7 +121,7 @@ export class ServerSource implements Source {
   readonly live = true;
   constructor(readonly base = "/api/v1") {}
   private async get(path: string): Promise<Response> {
-    const answer = await fetch(this.base + path, { credentials: "same-origin" });
+    const answer = await fetch(this.base + path, { credentials: "same-origin" }).catch(() => { throw new ServerError(0, NO_ANSWER); });
     if (!answer.ok) {
       const problem = await answer.json().catch(() => ({})) as { detail?: string; title?: string };
       throw new ServerError(answer.status, problem.detail ?? problem.title ?? `the server said ${answer.status}`);
@@ -127,6 +131,10 @@ export class ServerSource implements Source {
   private async json<T>(path: string): Promise<T> { return await (await this.get(path)).json() as T; }
   session(): Promise<Session> { return this.json("/session"); }
   async scene(): Promise<Uint8Array> { return new Uint8Array(await (await this.get("/scene")).arrayBuffer()); }
+  /** Whether this server takes photographs from who asks. */
+  async takesPhotographs(): Promise<boolean> {
+    return (await fetch(`${this.base}/photographs`, { method: "HEAD", credentials: "same-origin" }).catch(() => null))?.ok ?? false;
+  }
   /** What has changed since change `after`; null: too long ago, the scene has to be fetched anew. */
   async changes(after: number): Promise<Uint8Array[] | null> {
     try {

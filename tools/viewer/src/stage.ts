@@ -3,12 +3,13 @@
 // What is seen: points, cameras and edges, and how one moves among them. Nothing is drawn while nothing changes.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Frusta, lines } from "./cameras";
 import { ColourMode, PointCloud } from "./points";
 import { Camera, Edge } from "./source";
-import { Model, NOWHERE, Quat, Vec3, WorldPose, conjugate, moved, rotate, worldPoses } from "./wire";
+import { Model, Quat, Vec3, WorldPose, conjugate, moved, rotate, worldPoses } from "./wire";
 
 const UP_ANGLE = 0.1; // [rad]
-const BARS_PX = 130; // of the canvas's height, below tools and time line
+const LEAST_FREE = 0.35; // of the canvas's height, whatever lies over it
 const FEW_POINTS = 30000; // so many are drawn larger
 const FRAME_MS = 33; // while one moves: as many points as this allows
 const EDGE_COLOURS: Record<string, number> = { holds: 0x4f86b8, open: 0x8a8f98, implausible: 0xc9882b, apart: 0xc44fc0, contradicts: 0xe0442e };
@@ -21,7 +22,7 @@ export class Stage {
   controls: OrbitControls;
   private readonly world = new THREE.Scene();
   private readonly clouds = new Map<number, PointCloud>();
-  private frusta: THREE.LineSegments | null = null;
+  readonly frusta = new Frusta(this.world, () => this.draw());
   private edges: THREE.LineSegments | null = null;
   private marker: THREE.Points | null = null;
   private shifts = new Map<number, Vec3>(); // by part
@@ -31,6 +32,9 @@ export class Stage {
   private moving = 0; // until when [ms]
   private selected = new Set<number>();
   private replayed: Map<number, { q: Quat; centre: Vec3 }> | null = null;
+  private placedAt: ReadonlyMap<number, number> | null = null;
+  /** What lies over the canvas, at its top and at its bottom [px]: the model is fitted in between. */
+  bars: () => [number, number] = () => [0, 0];
   mode: ColourMode = "colour";
   pointSize = 0; // [px]; 0: by how many there are
   showCameras = true;
@@ -56,7 +60,11 @@ export class Stage {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.enableDamping = false;
     controls.zoomToCursor = true;
-    controls.addEventListener("change", () => { this.moving = performance.now() + 250; this.draw(); });
+    controls.addEventListener("change", () => {
+      this.camera.updateMatrixWorld(); // what is picked does not wait for a frame
+      this.moving = performance.now() + 250;
+      this.draw();
+    });
     return controls;
   }
 
@@ -65,9 +73,14 @@ export class Stage {
     if (w === 0 || h === 0) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(w, h, false);
-    this.camera.aspect = w / h;
-    this.camera.updateProjectionMatrix();
+    this.centre();
     this.draw();
+  }
+  /** What is looked at is in the middle of what is free. @return the free share of the height */
+  private centre(): number {
+    const { clientWidth: w, clientHeight: h } = this.canvas, [top, bottom] = this.bars(), free = (h - top - bottom) / Math.max(1, h);
+    if (w > 0 && h > 0) this.camera.setViewOffset(w, h, 0, free < LEAST_FREE ? 0 : (bottom - top) / 2, w, h);
+    return free < LEAST_FREE ? 1 : free;
   }
 
   private rebuild(): void {
@@ -91,6 +104,14 @@ export class Stage {
     this.refresh();
   }
 
+  /** Of a version that is replayed: points of clusters of which a camera stood, once two photographs that see them did. */
+  private showClouds(): void {
+    for (const cloud of this.clouds.values()) {
+      cloud.begin(this.placedAt);
+      cloud.object.visible = !this.replayed || [...cloud.cluster.poses.keys()].some((image) => this.replayed!.has(image));
+    }
+  }
+
   setEdges(edges: Edge[]): void { this.edgeList = edges; this.drawEdges(); this.draw(); }
 
   /** Takes account of what the model has become. */
@@ -106,6 +127,7 @@ export class Stage {
       }
       cloud.update();
     }
+    this.showClouds();
     this.poses = worldPoses(this.model);
     this.layOut();
     this.drawFrusta();
@@ -148,9 +170,12 @@ export class Stage {
     return [...this.replayed].map(([image, pose]) => ({ image, q: pose.q, centre: pose.centre,
       camera: now.get(image)?.camera ?? -1, cluster: now.get(image)?.cluster ?? -1, part: now.get(image)?.part ?? 0 }));
   }
-  setReplay(images: number | null, poses: Map<number, { q: Quat; centre: Vec3 }> | null): void {
+  /** @param placedAt  photographs that had come when each was placed first */
+  setReplay(images: number | null, poses: Map<number, { q: Quat; centre: Vec3 }> | null, placedAt: ReadonlyMap<number, number> | null = null): void {
     this.time = images;
     this.replayed = poses;
+    this.placedAt = placedAt;
+    this.showClouds();
     this.drawFrusta();
     this.drawEdges();
     this.draw();
@@ -164,25 +189,8 @@ export class Stage {
   }
 
   private drawFrusta(): void {
-    if (this.frusta) { this.world.remove(this.frusta); this.frusta.geometry.dispose(); (this.frusta.material as THREE.Material).dispose(); this.frusta = null; }
-    if (!this.showCameras) return;
-    const size = this.frustumSize(), positions: number[] = [], colours: number[] = [];
-    for (const pose of this.shownPoses()) {
-      const camera = this.cameras.get(pose.camera), w = camera ? camera.width / camera.focal / 2 : 0.5, h = camera ? camera.height / camera.focal / 2 : 0.375;
-      const back = conjugate(pose.q), centre = this.shifted(pose.part, pose.centre);
-      const corner = (x: number, y: number): Vec3 => {
-        const d = rotate(back, [x * w * size, y * h * size, size]);
-        return [centre[0] + d[0], centre[1] + d[1], centre[2] + d[2]];
-      };
-      const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
-      const colour = this.selected.has(pose.image) ? [1, 0.75, 0.2] : [0.35, 0.75, 0.55];
-      for (let i = 0; i < 4; ++i) {
-        positions.push(...centre, ...corners[i], ...corners[i], ...corners[(i + 1) % 4]);
-        for (let k = 0; k < 4; ++k) colours.push(...colour);
-      }
-    }
-    this.frusta = lines(positions, colours, 0.9);
-    this.world.add(this.frusta);
+    const poses = this.showCameras ? this.shownPoses().map((pose) => ({ ...pose, centre: this.shifted(pose.part, pose.centre) })) : [];
+    this.frusta.draw(poses, this.cameras, this.frustumSize(), this.selected);
   }
 
   private drawEdges(): void {
@@ -246,7 +254,7 @@ export class Stage {
     };
     const mid = ([low, high]: [number, number]): number => (low + high) / 2;
     const target = new THREE.Vector3().addScaledVector(x, mid(range(x))).addScaledVector(y, mid(range(y))).addScaledVector(z, mid(range(z)));
-    const tan = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), free = Math.max(0.5, 1 - BARS_PX / Math.max(1, this.canvas.clientHeight));
+    const tan = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), free = this.centre();
     let distance = 2 * least;
     for (const k of kept) {
       const d = k.clone().sub(target);
@@ -276,9 +284,9 @@ export class Stage {
   private sample(most: number, images: Set<number> | null): THREE.Vector3[] {
     const found: THREE.Vector3[] = [];
     for (const cluster of this.model.clusters.values()) {
-      const stride = images ? 1 : Math.max(1, Math.floor(cluster.slots * this.model.clusters.size / most));
+      const cloud = this.clouds.get(cluster.id), stride = images ? 1 : Math.max(1, Math.floor(cluster.slots * this.model.clusters.size / most));
       for (let i = 0; i < cluster.slots && found.length < most; i += stride) {
-        if (cluster.born[i] === NOWHERE || (images && !images.has(cluster.firsts[i]))) continue;
+        if (!cloud?.shows(i, this.time) || (images && !images.has(cluster.firsts[i]))) continue;
         const p = moved(cluster.place, [cluster.positions[3 * i], cluster.positions[3 * i + 1], cluster.positions[3 * i + 2]]);
         found.push(new THREE.Vector3(...this.shifted(cluster.part, p)));
       }
@@ -295,7 +303,7 @@ export class Stage {
       matrix.multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse).multiply(cloud.object.matrix);
       const e = matrix.elements, c = cloud.cluster, p = c.positions;
       for (let i = 0; i < c.slots; ++i) {
-        if (c.born[i] === NOWHERE || (this.time !== null && c.born[i] > this.time)) continue;
+        if (!cloud.shows(i, this.time)) continue;
         const px = p[3 * i], py = p[3 * i + 1], pz = p[3 * i + 2];
         const depth = e[3] * px + e[7] * py + e[11] * pz + e[15];
         if (depth <= 0 || depth >= bestDepth) continue;
@@ -360,6 +368,7 @@ export class Stage {
       cloud.set(this.mode, this.sizeOfPoints() * this.renderer.getPixelRatio(), this.time);
       this.drawn += cloud.draw(this.share);
     }
+    if (!isMoving && this.frusta.hang(this.camera, this.canvas.clientHeight)) this.draw();
     this.renderer.render(this.world, this.camera);
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // else only the queueing is timed
@@ -373,14 +382,6 @@ export class Stage {
   }
 }
 
-function lines(positions: number[], colours: number[], opacity: number): THREE.LineSegments {
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
-  geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
-  const object = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity }));
-  object.frustumCulled = false;
-  return object;
-}
 function median(values: number[]): number {
   const sorted = values.slice().sort((a, b) => a - b);
   return sorted[Math.floor(sorted.length / 2)] ?? 0;

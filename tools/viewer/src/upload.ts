@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Photographs on their way to the server: kept in the browser until they are acknowledged, sent one after the other,
-// gone on with where a line broke off.
+// gone on with where a line broke off. Of what is refused the name and the reason stay until one has seen them.
 import { sha256 } from "./sha256";
 
 export interface Outgoing { id: number; name: string; blob: Blob; sha256?: string; sent: number; state: "queued" | "sending" | "sent" | "refused"; words: string }
@@ -25,18 +25,25 @@ function done<T>(request: IDBRequest<T>): Promise<T> {
   });
 }
 
+const KEPT = "is kept here until a link is opened that may send";
+
 export class Uploads {
-  readonly all: Outgoing[] = [];
+  all: Outgoing[] = [];
   private running = false;
+  /** The status with which the server turned the link away: 401 or 403; nothing is sent until one runs it again. */
+  turnedAway = 0;
   constructor(private readonly changed: () => void) {}
+  /** Photographs that are still to be sent. */
+  get left(): number { return this.all.filter((entry) => entry.state === "queued" || entry.state === "sending").length; }
 
   /** What an earlier visit left. */
   async restore(): Promise<void> {
     const db = await database();
-    for (const entry of await done(db.transaction(STORE).objectStore(STORE).getAll()) as { id: number; name: string; blob: Blob }[])
-      this.all.push({ ...entry, sent: 0, state: "queued", words: "waits to be sent" });
+    for (const entry of await done(db.transaction(STORE).objectStore(STORE).getAll()) as { id: number; name: string; blob?: Blob; words?: string }[]) {
+      this.all.push({ id: entry.id, name: entry.name, blob: entry.blob ?? new Blob(), sent: 0, state: entry.blob ? "queued" : "refused",
+        words: entry.words ?? "waits to be sent" });
+    }
     this.changed();
-    void this.run();
   }
   async add(files: Iterable<File>): Promise<void> {
     const db = await database();
@@ -45,7 +52,13 @@ export class Uploads {
       this.all.push({ id, name: file.name, blob: file, sent: 0, state: "queued", words: "waits to be sent" });
     }
     this.changed();
-    void this.run();
+    if (!this.turnedAway) void this.run();
+  }
+  /** What was refused, and seen. */
+  async dismiss(entry: Outgoing): Promise<void> {
+    this.all = this.all.filter((one) => one !== entry);
+    this.changed();
+    await this.forget(entry);
   }
   private async forget(entry: Outgoing): Promise<void> {
     const db = await database();
@@ -56,13 +69,15 @@ export class Uploads {
   async run(): Promise<void> {
     if (this.running) return;
     this.running = true;
+    this.turnedAway = 0;
     let pause = 1;
     for (;;) {
       const next = this.all.find((entry) => entry.state === "queued" || entry.state === "sending");
       if (!next) break;
-      const wait = await this.send(next).catch((error: Error) => { next.words = `the line broke off (${error.message})`; return -1; });
+      const wait: number = await this.send(next).catch((error: Error) => { next.words = `the line broke off (${error.message})`; return -1; });
       if (wait === 0) { pause = 1; this.changed(); continue; }
       this.changed();
+      if (this.turnedAway) break;
       await new Promise((resolve) => setTimeout(resolve, 1000 * (wait > 0 ? wait : pause)));
       if (wait < 0) pause = Math.min(30, 2 * pause);
     }
@@ -75,6 +90,7 @@ export class Uploads {
     entry.sha256 ??= sha256(new Uint8Array(await entry.blob.arrayBuffer()));
     const url = `${API}/photographs/${entry.sha256}`;
     const head = await fetch(url, { method: "HEAD", credentials: "same-origin" });
+    if (head.status === 401 || head.status === 403) return this.keep(entry, head.status);
     let at = Number(head.headers.get("Upload-Offset") ?? 0);
     if (head.ok && head.headers.get("Upload-Length") !== null) return this.over(entry, "sent", "is there");
     for (;;) {
@@ -87,6 +103,7 @@ export class Uploads {
       if (answer.status === 201 || answer.status === 200) return this.over(entry, "sent", "is there");
       if (answer.status === 204) { at = Number(answer.headers.get("Upload-Offset")); continue; }
       if (answer.status === 409) { at = Number(answer.headers.get("Upload-Offset") ?? 0); continue; }
+      if (answer.status === 401 || answer.status === 403) return this.keep(entry, answer.status);
       const said = await answer.json().catch(() => ({})) as { detail?: string };
       entry.words = said.detail ?? `the server said ${answer.status}`;
       if (answer.status === 429 || answer.status === 423 || answer.status === 503 || answer.status === 507)
@@ -94,10 +111,19 @@ export class Uploads {
       return this.over(entry, "refused", entry.words);
     }
   }
+  private keep(entry: Outgoing, status: number): number {
+    entry.state = "queued";
+    entry.words = KEPT;
+    this.turnedAway = status;
+    return -1;
+  }
   private async over(entry: Outgoing, state: "sent" | "refused", words: string): Promise<number> {
     entry.state = state;
     entry.words = words;
-    await this.forget(entry);
+    if (state === "sent") { await this.forget(entry); return 0; }
+    const db = await database();
+    await done(db.transaction(STORE, "readwrite").objectStore(STORE).put({ id: entry.id, name: entry.name, words }));
+    entry.blob = new Blob();
     return 0;
   }
 }

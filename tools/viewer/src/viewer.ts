@@ -5,11 +5,11 @@ import { Details } from "./details";
 import { button, el, select, toggle } from "./dom";
 import { ImageList, titleOf } from "./list";
 import { ColourMode, LEGENDS } from "./points";
-import { Camera, FileSource, ImageFact, ServerSource, Session, Source } from "./source";
+import { Camera, FileSource, ImageFact, ServerError, ServerSource, Session, Source } from "./source";
 import { Stage } from "./stage";
 import { Timeline } from "./timeline";
 import { Live } from "./live";
-import { signIn } from "./login";
+import { NO_LINK, signIn } from "./login";
 import { Model, worldPoses } from "./wire";
 
 export class Viewer {
@@ -23,6 +23,8 @@ export class Viewer {
   private readonly events = el("ol", { class: "events" });
   private readonly hints = el("ul", { class: "hints" });
   private readonly summary = el("p", { class: "summary", role: "status" });
+  private readonly notice = el("p", { class: "notice", role: "status" });
+  private live: Live | null = null;
   private readonly weak = el("ul", { class: "weak", tabindex: "0", "aria-label": "Models that are weak" });
   private readonly tip = el("div", { class: "tip", hidden: "" });
   private tabs: [HTMLButtonElement, HTMLElement][] = [];
@@ -34,20 +36,34 @@ export class Viewer {
     this.session = session;
     if (scene.length > 0) this.model.apply(scene);
     const canvas = el("canvas", { class: "stage", tabindex: "0", role: "application", "aria-label": "The model. Drag to turn, right drag to shift, wheel to zoom, F to see all, arrow keys to turn." });
-    this.details = new Details(this.source, () => this.session.image_list, (image) => this.cameraOf(image));
-    this.list = new ImageList(session.image_list, (fact) => this.choose(fact));
-    const side = this.side();
-    this.root.replaceChildren(el("main", { class: "stagebox" }, canvas, this.tip, this.tools()), side);
+    this.details = new Details(this.source, (image) => this.factOf(image), () => this.session.edges, (image) => this.cameraOf(image));
+    this.list = new ImageList(session.image_list, (fact, how) => this.choose(fact, how));
+    const side = this.side(), tools = this.tools();
+    this.root.replaceChildren(el("main", { class: "stagebox" }, canvas, this.tip, tools), side);
     this.stage = new Stage(canvas, this.model, new Map(session.cameras.map((c) => [c.id, c])), session.edges, session.up,
-      (image) => this.session.image_list[image]?.user ?? 0, session.in_metres);
+      (image) => this.factOf(image)?.user ?? 0, session.in_metres);
     this.timeline = new Timeline(this.source, this.stage);
     this.root.firstElementChild!.append(this.timeline.element);
+    const bar = this.timeline.element;
+    this.stage.bars = () => [tools.offsetTop + tools.offsetHeight, canvas.clientHeight - bar.offsetTop];
+    this.stage.frusta.thumbnail = (image) => this.live?.isThere === false ? null : this.source.thumbnail(image);
+    this.stage.frusta.showPictures = this.source.live;
     this.details.onChoose = (image) => this.chooseImage(image);
+    this.details.onPair = (a, b) => this.pair(a, b);
     this.stage.refresh();
     this.stage.fit();
     this.tell();
     this.listen(canvas);
-    if (this.source instanceof ServerSource) new Live(this, this.source).start();
+    if (!(this.source instanceof ServerSource)) return;
+    this.live = new Live(this, this.source);
+    this.live.start();
+    const mayAsk = session.me?.role !== "look";
+    if (mayAsk && await this.source.takesPhotographs()) side.querySelector("h1")!.after(el("a", { class: "send", href: "/capture" }, "Send photographs"));
+  }
+  /** By its number, which is mostly where it stands in the list. */
+  factOf(image: number): ImageFact | undefined {
+    const list = this.session.image_list;
+    return list[image]?.id === image ? list[image] : list.find((fact) => fact.id === image);
   }
 
   private cameraOf(image: number): Camera | undefined {
@@ -61,6 +77,7 @@ export class Viewer {
       (mode) => { this.stage.mode = mode as ColourMode; legend.textContent = LEGENDS[this.stage.mode]; this.stage.draw(); }), legend,
       toggle("cameras", true, (on) => this.stage.setLayers(on, this.stage.showEdges)),
       toggle("view graph", false, (on) => this.stage.setLayers(this.stage.showCameras, on)),
+      this.source.live ? toggle("pictures", true, (on) => { this.stage.frusta.showPictures = on; this.stage.draw(); }) : "",
       button("Larger", () => this.size(1.4)), button("Smaller", () => this.size(1 / 1.4)), button("Fit", () => this.stage.fit()));
     return box;
   }
@@ -72,6 +89,8 @@ export class Viewer {
   private side(): HTMLElement {
     const about = el("section", { class: "panel", "aria-label": "About" }, el("h2", {}, "About"),
       el("p", {}, "Points: one drag turns, two fingers or the right button shift, the wheel or a pinch zooms. F sees all, Escape lets go."),
+      el("p", {}, "Photographs: a click, a tap or Enter in the list, or a click at a camera's tip, shows one with its features. Below them are those that it matches: each opens the two with their matches. So does a click with Ctrl, Cmd or Shift at a second camera, or at a second row of the list."),
+      ...(this.source.live ? [el("p", {}, "Pictures: cameras that are near or chosen hold their photographs.")] : []),
       el("p", {}, "View graph: blue pairs hold, grey ones are open, orange ones were set aside as weak, violet ones are look-alikes kept apart, red ones contradict the model."),
       el("h2", {}, "Licence of three.js, which draws the model"), el("pre", {}, this.session.licence));
     const panels: [string, HTMLElement][] = [["Photographs", this.list.element], ["Details", this.details.element],
@@ -84,7 +103,7 @@ export class Viewer {
       bar.append(tab);
       return [tab, panel];
     });
-    const side = el("aside", { class: "side" }, el("h1", {}, this.session.name), this.summary, this.weak, bar, ...panels.map(([, panel]) => panel));
+    const side = el("aside", { class: "side" }, el("h1", {}, this.session.name), this.notice, this.summary, this.weak, bar, ...panels.map(([, panel]) => panel));
     this.show("Photographs");
     return side;
   }
@@ -109,33 +128,37 @@ export class Viewer {
   }
 
   chooseImage(image: number): void {
-    const fact = this.session.image_list.find((f) => f.id === image);
+    const fact = this.factOf(image);
     if (fact) this.choose(fact);
   }
-  choose(fact: ImageFact): void {
+  choose(fact: ImageFact, how: "open" | "pair" | "stay" = "open"): void {
+    if (how === "pair" && fact.id !== undefined && this.selected.length > 0 && this.selected[0] !== fact.id) { this.pair(this.selected[0], fact.id); return; }
     this.selected = fact.id === undefined ? [] : [fact.id];
     this.list.mark(fact.id ?? null);
     this.stage.mark(null);
     this.stage.select(this.selected);
     if (fact.state === "placed" && fact.id !== undefined) this.stage.fit([fact.id]);
-    this.show("Details");
+    if (how !== "stay") this.show("Details");
     void this.details.image(fact).catch((error: Error) => this.fail(error));
+  }
+  /** Two photographs with their matches; the first stays chosen. */
+  pair(first: number, second: number): void {
+    this.selected = [first, second];
+    this.list.mark(first);
+    this.stage.mark(null);
+    this.stage.select(this.selected);
+    this.show("Details");
+    void this.details.pair(Math.min(first, second), Math.max(first, second)).catch((error: Error) => this.fail(error));
   }
   private clicked(x: number, y: number, second: boolean): void {
     const image = this.stage.pickCamera(x, y);
-    if (image !== null && second && this.selected.length > 0 && this.selected[0] !== image) {
-      this.selected = [this.selected[0], image];
-      this.stage.select(this.selected);
-      this.show("Details");
-      void this.details.pair(Math.min(...this.selected), Math.max(...this.selected)).catch((error: Error) => this.fail(error));
-      return;
-    }
+    if (image !== null && second && this.selected.length > 0 && this.selected[0] !== image) { this.pair(this.selected[0], image); return; }
     if (image !== null) { this.chooseImage(image); return; }
     const point = this.stage.pickPoint(x, y);
     if (!point) { this.let(); return; }
     this.stage.mark(point.position, this.model.clusters.get(point.cluster)?.part ?? 0);
     this.show("Details");
-    void this.source.seenBy(point.cluster, point.slot).then((images) => { this.selected = images; this.stage.select(images); });
+    void this.source.seenBy(point.cluster, point.slot).then((images) => { this.selected = images; this.stage.select(images); }, () => {}); // the details say why not
     void this.details.point(point).catch((error: Error) => this.fail(error));
   }
   private let(): void {
@@ -144,13 +167,16 @@ export class Viewer {
     this.stage.mark(null);
     this.list.mark(null);
   }
-  fail(error: Error): void { this.summary.textContent = error.message; }
+  /** A line that stays until it is another; none: all is well. */
+  say(words: string): void { if (this.notice.textContent !== words) this.notice.textContent = words; }
+  /** What the details do not show they say themselves; that nothing answers is for the stream of events to see. */
+  fail(error: Error): void { this.live?.failed(error); }
 
   private listen(canvas: HTMLCanvasElement): void {
     let down: { x: number; y: number } | null = null;
     canvas.addEventListener("pointerdown", (e) => { down = { x: e.offsetX, y: e.offsetY }; });
     canvas.addEventListener("pointerup", (e) => {
-      if (down && Math.hypot(e.offsetX - down.x, e.offsetY - down.y) < 5) this.clicked(e.offsetX, e.offsetY, e.ctrlKey || e.metaKey);
+      if (down && Math.hypot(e.offsetX - down.x, e.offsetY - down.y) < 5) this.clicked(e.offsetX, e.offsetY, e.ctrlKey || e.metaKey || e.shiftKey);
       down = null;
     });
     canvas.addEventListener("pointermove", (e) => {
@@ -164,7 +190,7 @@ export class Viewer {
   private hover(image: number | null, x: number, y: number): void {
     this.tip.hidden = image === null;
     if (image === null) return;
-    const fact = this.session.image_list[image], thumbnail = this.source.thumbnail(image);
+    const fact = this.factOf(image), thumbnail = this.source.thumbnail(image);
     this.tip.replaceChildren(fact ? titleOf(fact) : String(image));
     if (thumbnail) this.tip.append(el("img", { src: thumbnail, alt: "" }));
     const room = this.tip.parentElement!, w = this.tip.offsetWidth + 14, h = Math.max(this.tip.offsetHeight, thumbnail ? 140 : 0) + 14;
@@ -190,11 +216,15 @@ async function main(): Promise<void> {
   const viewer = new Viewer(source, root);
   (window as unknown as { psfm: Viewer }).psfm = viewer; // for tests, and for who is curious
   try {
-    if (source.live) await signIn();
+    if (source.live) {
+      window.addEventListener("hashchange", () => { if (location.hash) location.reload(); }); // another link, opened in this page
+      await signIn();
+    }
     await viewer.start();
     document.documentElement.dataset.state = "ready";
   } catch (error) {
-    root.replaceChildren(el("p", { class: "failed", role: "alert" }, `This page cannot show the session: ${(error as Error).message}`));
+    const wantsLink = error instanceof ServerError && error.status === 401;
+    root.replaceChildren(el("p", { class: "failed", role: "alert" }, wantsLink ? NO_LINK : `This page cannot show the session: ${(error as Error).message}`));
     document.documentElement.dataset.state = "failed";
     throw error;
   }
