@@ -163,6 +163,15 @@ TEST_F(UploadStoreTest, TheLengthThatWasAnnouncedFirstHolds) {
     EXPECT_EQ(send({1, sha256_hex(""), "", 0, 0, true}, ""), 422U);
 }
 
+TEST_F(UploadStoreTest, WhatWasNotLookedAtIsNotWhole) {
+    EXPECT_FALSE(store_->admit(offer(kPhoto)).sink->write(kPhoto).has_value());
+    reopen();  // killed after the last byte
+    const auto here = store_->progress(1, sha256_hex(kPhoto));
+    EXPECT_EQ(here.offset, kPhoto.size() - 1);
+    EXPECT_FALSE(here.complete);
+    EXPECT_EQ(send(offer(kPhoto, here.offset), kPhoto.substr(here.offset)), 201U);
+}
+
 TEST_F(UploadStoreTest, NothingThatIsHereIsWrittenOver) {
     EXPECT_EQ(send(offer(kPhoto), kPhoto.substr(0, 5)), 204U);
     for (const std::uint64_t at : {0U, 4U, 6U}) EXPECT_EQ(send(offer(kPhoto, at), "xx"), 409U);

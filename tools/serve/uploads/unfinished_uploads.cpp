@@ -36,7 +36,7 @@ UnfinishedUploads UnfinishedUploads::found_in(const fs::path& folder) {
         const auto length =
             length_text.empty() ? std::nullopt : number_in<std::uint64_t>(length_text.substr(1));
         std::error_code gone;  // Expected: what is gone meanwhile takes nothing
-        if (length && is_sha256(named.stem().string()))
+        if (length.value_or(0) > 0 && is_sha256(named.stem().string()))
             found.begin(*user, named.stem().string(), *length);
         else
             fs::remove(file, gone);  // nobody could go on with it
