@@ -85,12 +85,12 @@ class Uploads(ServeCase):
         self.assertEqual(len(self.files()), before - 2, "the photograph and its thumbnail are gone at once")
         self.assertEqual(self.remove(first, tokens["Ada"]), 404)
         self.wait_for(lambda: self.names(tokens["Ada"]) == [f"{i}.jpg" for i in range(1, 6)])
+        self.wait_for(lambda: self.server.json("/session", tokens["Ada"])["counts"]["placed"] == 5)
         # Bob has sent it, too: it stays, and is his.
         self.assertEqual(self.remove(second, tokens["Ada"]), 204)
         self.wait_for(lambda: self.names(tokens["Ada"]) == ["2.jpg", "3.jpg", "4.jpg", "5.jpg", "again.jpg"])
         self.assertEqual(self.remove(last, tokens["Own"]), 204)
         self.wait_for(lambda: self.names(tokens["Ada"]) == ["2.jpg", "3.jpg", "4.jpg", "again.jpg"])
-        self.wait_for(lambda: self.server.json("/session", tokens["Ada"])["counts"]["placed"] == 4)
         # It may come in again, and all that holds for the next server.
         self.assertEqual(self.server.put(first, "anew.jpg", tokens["Ada"])[0], 201)
         self.wait_for(lambda: "anew.jpg" in self.names(tokens["Ada"]))

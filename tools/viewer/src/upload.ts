@@ -92,7 +92,8 @@ export class Uploads {
     const head = await fetch(url, { method: "HEAD", credentials: "same-origin" });
     if (head.status === 401 || head.status === 403) return this.keep(entry, head.status);
     let at = Number(head.headers.get("Upload-Offset") ?? 0);
-    if (head.ok && head.headers.get("Upload-Length") !== null) return this.over(entry, "sent", "is there");
+    const length = head.headers.get("Upload-Length");
+    if (head.ok && length !== null && length === head.headers.get("Upload-Offset")) return this.over(entry, "sent", "is there");
     for (;;) {
       entry.words = `is being sent, ${Math.round(100 * at / entry.blob.size)} %`;
       entry.sent = at;
