@@ -30,8 +30,7 @@ HttpResponse UploadStore::remove(std::uint32_t user, const std::string& sha256, 
     const bool is_own = sent_by_.contains({user, sha256});
     if (!by_sha256_.contains(sha256) || (!is_own && !whoever_sent))
         return problem(404, "you have sent no such photograph");
-    nlohmann::ordered_json line{
-        {"removed", sha256}, {"user", user}, {"time", std::time(nullptr)}};
+    nlohmann::ordered_json line{{"removed", sha256}, {"user", user}, {"time", std::time(nullptr)}};
     if (whoever_sent) line["of_all"] = true;
     if (!append_line(session_ / "uploads.log", "\n" + line.dump() + "\n", true))
         return problem(507, "the server's disk is full; the photograph is still here");

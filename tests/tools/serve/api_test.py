@@ -250,7 +250,8 @@ class Api(ServeCase):
             for method, operation in operations.items():
                 if path == "/events":
                     continue
-                status, headers, body = server.ask(method.upper(), url)
+                of_nobody = url.replace(names["sha256"], "0" * 64)
+                status, headers, body = server.ask(method.upper(), of_nobody if method == "delete" else url)
                 said = operation["responses"].get(str(status), operation["responses"]["4XX"] if status // 100 == 4 else None)
                 self.assertIsNotNone(said, (method, path, status))
                 if status == 200 and "content" in said:

@@ -141,6 +141,10 @@ run(async (chrome) => {
     check(await phone.locator(".sent li.refused").count() === 1, "what was refused is listed after a reload");
     await phone.getByRole("button", { name: /^Dismiss/ }).click();
     await phone.waitForFunction(() => document.querySelectorAll(".sent li.refused").length === 0, null, { polling: 100 });
+    phone.once("dialog", (dialog) => dialog.accept());
+    const sent = await phone.locator(".sent li").count();
+    await phone.getByRole("button", { name: /^Delete/ }).first().click();
+    await phone.waitForFunction((n) => document.querySelectorAll(".sent li").length === n, sent - 1, { polling: 100, timeout: 30000 });
     psfm("serve", "--session", session, "--remove-user", "<b>Ada</b>");
     await known();
     await phone.setInputFiles("#choose", more);

@@ -120,10 +120,22 @@ class Capture {
     this.rows.replaceChildren(...all.slice(0, MOST_ROWS).map((one) => this.row(one)));
     this.where.replaceChildren(...(this.hints.length > 0 ? this.hints.map((hint) => el("li", {}, hint.text)) : [el("li", {}, "nowhere in particular: every photograph that overlaps others helps")]));
   }
+  private async takeBack(one: Mine): Promise<void> {
+    if (!window.confirm(`Delete ${one.name}? The model will do without it.`)) return;
+    const answer = await fetch(`/api/v1/photographs/${one.sha256}`, { method: "DELETE", credentials: "same-origin" }).catch(() => null);
+    if (!answer?.ok && answer?.status !== 404) {
+      this.say(answer ? ((await answer.json()) as { detail?: string }).detail ?? "it could not be deleted" : "the server does not answer; try again");
+      return;
+    }
+    this.mine = this.mine.filter((other) => other.sha256 !== one.sha256);
+    this.uploads.all = this.uploads.all.filter((other) => other.sha256 !== one.sha256);
+    this.show();
+  }
   private row(one: Row): HTMLElement {
     const { outgoing } = one;
     return el("li", { class: one.state }, el("span", { class: "dot", "aria-hidden": "true" }), el("b", {}, one.name), ` ${one.state}`,
       one.state === "refused" && outgoing ? button("Dismiss", () => void this.uploads.dismiss(outgoing), { class: "dismiss", "aria-label": `Dismiss ${one.name}` }) : null,
+      outgoing ? null : button("Delete", () => void this.takeBack(one as Mine), { class: "dismiss", "aria-label": `Delete ${one.name}` }),
       el("span", { class: "what" }, one.state === "placed" ? "" : [one.words, one.advice].filter((text) => text).join(" – ")));
   }
 }
