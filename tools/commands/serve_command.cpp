@@ -187,11 +187,13 @@ void add_decode_photograph_command(CLI::App& app, int& exit_code) {
     CLI::App* command = app.add_subcommand("decode-photograph", "Internal");
     command->group("");  // not listed: the program calls it itself
     auto request = std::make_shared<DecodeRequest>();
-    command->add_option("PHOTO", request->photo)->required();
+    command->add_option("PHOTO", request->photo);
     command->add_option("--name", request->name);
     command->add_option("--preset", request->preset);
     command->add_flag("--thumbnail", request->thumbnail);
-    command->callback([request, &exit_code] { exit_code = decode_photograph(*request); });
+    command->callback([request, &exit_code] {
+        exit_code = request->photo.empty() ? decode_photographs() : decode_photograph(*request);
+    });
 }
 
 }  // namespace psfm

@@ -24,6 +24,7 @@
 #include "tools/commands/served_run.h"
 #include "tools/commands/session_runner.h"
 #include "tools/serve/api.h"
+#include "tools/serve/decoder_forks.h"
 #include "tools/serve/http_server.h"
 #include "tools/serve/pages.h"
 #include "tools/serve/sandbox.h"
@@ -293,6 +294,13 @@ int decode_photograph(const DecodeRequest& request) {
     const auto options = stage_options(config);
     if (!options.ok()) return report_error(options.error());
     return sandboxed_extract({request.photo, request.name}, options->features);
+}
+
+int decode_photographs() {
+    return fork_decoders([](const DecoderWords& words) {
+        if (words.size() == 1) return decode_photograph({words[0], {}, {}, true});
+        return words.size() == 3 ? decode_photograph({words[0], words[1], words[2], false}) : 1;
+    });
 }
 
 }  // namespace psfm

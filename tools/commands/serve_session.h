@@ -32,5 +32,7 @@ struct DecodeRequest {
 };
 /// In a sandbox: what serve_session has decoded for itself.
 int decode_photograph(const DecodeRequest& request);
+/// The same of each that is asked for on the standard input (fork_decoders).
+int decode_photographs();
 
 }  // namespace psfm

@@ -3,18 +3,11 @@
 //
 // Both ends of the pipe between who wants a photograph decoded and the process that does it. What
 // comes out of that process is believed as little as the photograph.
-#include <fcntl.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <xxhash.h>
 
-#include <array>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -23,9 +16,8 @@
 
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/read_photo.h"
+#include "tools/serve/decoder_forks.h"
 #include "tools/serve/sandbox.h"
-
-extern "C" char** environ;
 
 namespace psfm {
 namespace {
@@ -51,55 +43,6 @@ void write_all(std::string_view bytes) {
 void append_u32(std::string& bytes, std::size_t value) {
     const auto number = static_cast<std::uint32_t>(value);
     bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
-}
-
-/// All that a child writes to its standard output. @return nothing when it did not end as it should
-std::optional<std::string> output_of(const std::vector<std::string>& words,
-                                     int seconds = kMostDecodeSeconds) {
-    std::array<int, 2> pipe{};
-    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return std::nullopt;
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    // Boost 1.74 lets children inherit connections, and the port.
-    posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    std::vector<char*> arguments;
-    for (const std::string& word : words)
-        arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn's type
-    arguments.push_back(nullptr);
-    pid_t child = 0;
-    const int spawned =
-        ::posix_spawn(&child, "/proc/self/exe", &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    ::close(pipe[1]);
-    if (spawned != 0) {
-        ::close(pipe[0]);
-        return std::nullopt;
-    }
-    std::string output;
-    bool fine = true;
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-    while (fine) {
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-            deadline - std::chrono::steady_clock::now());
-        pollfd wait{pipe[0], POLLIN, 0};
-        const int ready = ::poll(&wait, 1, static_cast<int>(std::max<long>(left.count(), 0)));
-        if (ready < 0 && errno == EINTR) continue;
-        std::array<char, 65536> chunk{};
-        const ssize_t count = ready > 0 ? ::read(pipe[0], chunk.data(), chunk.size()) : -1;
-        if (count == 0) break;
-        fine = count > 0 && output.size() + static_cast<std::size_t>(count) <= kMostOutput;
-        if (fine) output.append(chunk.data(), static_cast<std::size_t>(count));
-    }
-    ::close(pipe[0]);
-    if (!fine) ::kill(child, SIGKILL);
-    int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (!fine || !WIFEXITED(status) || WEXITSTATUS(status) != 0) return std::nullopt;
-    return output;
 }
 
 json json_of(const PhotoMetadata& metadata) {
@@ -204,9 +147,8 @@ Result<ExtractedPhoto> parse(const std::string& output, const std::string& name)
 
 Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::string& preset,
                                           int seconds) {
-    const auto output = output_of({"psfm", "decode-photograph", photo.path.string(), "--name",
-                                   photo.name, "--preset", preset},
-                                  seconds);
+    const auto output =
+        decoder_output({photo.path.string(), photo.name, preset}, seconds, kMostOutput);
     if (!output) {
         return Error{ErrorCode::kUnreadable,
                      photo.name + ": decoding it failed or took too much; save it anew"};
@@ -222,10 +164,10 @@ Result<ExtractedPhoto> extract_in_sandbox(const PhotoFile& photo, const std::str
 }
 
 std::optional<std::string> thumbnail_in_sandbox(const std::filesystem::path& photo) {
-    auto output = output_of({"psfm", "decode-photograph", photo.string(), "--thumbnail"});
-    constexpr std::string_view kJpeg = "\xff\xd8\xff";
     constexpr std::size_t kMost = 1U << 20U;  // Guard: of bytes that a broken sandbox could send
-    if (!output || !output->starts_with(kJpeg) || output->size() > kMost) return std::nullopt;
+    auto output = decoder_output({photo.string()}, kMostDecodeSeconds, kMost);
+    constexpr std::string_view kStart = "\xff\xd8\xff", kEnd = "\xff\xd9";  // Format: of JPEG
+    if (!output || !output->starts_with(kStart) || !output->ends_with(kEnd)) return std::nullopt;
     return output;
 }
 

@@ -7,31 +7,38 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 
+#include "tools/serve/decoder_forks.h"
 #include "tools/serve/sandbox.h"
 
 namespace psfm {
 namespace {
 
-/// Before main(): says what the file has, or nothing for a long time, when it is to decode.
+/// Says what the file has, or nothing for a long time, or nothing at all.
+int lie(const DecoderWords& words) {
+    std::ifstream stream(words.front(), std::ios::binary);
+    const std::string said((std::istreambuf_iterator<char>(stream)), {});
+    if (said == "sleep") ::sleep(60);
+    if (said == "break") ::abort();
+    const auto count = ::write(STDOUT_FILENO, said.data(), said.size());
+    return count == static_cast<ssize_t>(said.size()) ? 0 : 1;
+}
+
+/// Before main(), where this program is to decode.
 const bool kIsTest = [] {
     std::ifstream words("/proc/self/cmdline");
     std::string word;
-    std::string file;
     std::getline(words, word, '\0');
     if (!std::getline(words, word, '\0') || word != "decode-photograph") return true;
-    std::getline(words, file, '\0');
-    std::ifstream stream(file, std::ios::binary);
-    const std::string said((std::istreambuf_iterator<char>(stream)), {});
-    if (said == "sleep") ::sleep(60);
-    const auto count = ::write(STDOUT_FILENO, said.data(), said.size());
-    ::_exit(count == static_cast<ssize_t>(said.size()) ? 0 : 1);
+    ::_exit(fork_decoders(lie));
 }();
 
 std::string answer(const std::string& head, float x = 0.F, std::uint32_t count = 1) {
@@ -77,6 +84,28 @@ TEST_F(SandboxedDecode, ItsAnswerIsChecked) {
           answer(R"({"width":"x"})"), answer("{"), answer(fine_).substr(0, 30)}) {
         EXPECT_FALSE(decoded(lie).ok()) << lie.substr(8, 90);
     }
+}
+
+TEST_F(SandboxedDecode, OneThatBreaksIsFollowedByOthers) {
+    EXPECT_FALSE(decoded("break").ok());
+    EXPECT_TRUE(decoded(answer(fine_, 99.F)).ok());
+}
+
+TEST_F(SandboxedDecode, ManyAtOnceGetTheirOwnAnswers) {
+    std::vector<std::thread> threads;
+    std::atomic<int> right = 0;
+    for (int i = 0; i < 8; ++i) {
+        const auto file = folder_ / (std::to_string(i) + ".jpg");
+        std::ofstream(file, std::ios::binary) << answer(fine_, static_cast<float>(i));
+        threads.emplace_back([&right, file, i] {
+            for (int k = 0; k < 5; ++k) {
+                const auto one = extract_in_sandbox({file, "a.jpg"}, "default");
+                if (one.ok() && one->keypoints.at(0).x == static_cast<float>(i)) ++right;
+            }
+        });
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(right.load(), 40);
 }
 
 TEST_F(SandboxedDecode, ItsTimeIsLimited) {

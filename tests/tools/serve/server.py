@@ -79,11 +79,11 @@ class Server:
         """The process that decodes this photograph for the server; None: none does at the moment."""
         for folder in Path("/proc").glob("[0-9]*"):
             try:
-                parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+                name = (folder / "comm").read_text().strip()
                 words = (folder / "cmdline").read_bytes()
             except OSError:
                 continue
-            if parent == self.process.pid and b"decode-photograph" in words and sha256.encode() in words:
+            if b"decode-photograph" in words and name == sha256[:15]:
                 return int(folder.name)
         return None
 
