@@ -12,6 +12,7 @@
 #include "tools/commands/console/write_whole_file.h"
 #include "tools/commands/exchange/geo_report.h"
 #include "tools/report/report_page.h"
+#include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {
 namespace {
@@ -39,6 +40,7 @@ int report(const ReportArguments& arguments) {
     FactsMemory memory;
     auto facts = read_session_facts(**session, memory);
     if (!facts.ok()) return report_error(facts.error());
+    add_origins(SentPhotographs(arguments.session), *facts);
     const auto reference = world_reference_of(facts->scene, facts->images);
     const auto all = read_report_facts(**session, reference, *std::move(facts));
     if (!all.ok()) return report_error(all.error());

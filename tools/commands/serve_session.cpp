@@ -24,10 +24,11 @@
 #include "tools/commands/served_run.h"
 #include "tools/commands/session_runner.h"
 #include "tools/serve/api.h"
-#include "tools/serve/decoder_forks.h"
+#include "tools/serve/decoding/decoder_forks.h"
+#include "tools/serve/decoding/sandbox.h"
 #include "tools/serve/http_server.h"
 #include "tools/serve/pages.h"
-#include "tools/serve/sandbox.h"
+#include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {
 namespace {
@@ -147,6 +148,14 @@ void give_way_to_answers() {
     setpriority(PRIO_PROCESS, 0, kNiceness);
 }
 
+OriginOf origin_in(const UploadStore& uploads) {
+    return [&uploads](const std::string& name) -> std::optional<PhotographOrigin> {
+        const auto upload = uploads.find_file(name);
+        if (!upload) return std::nullopt;
+        return PhotographOrigin{upload->title, upload->user, upload->sha256};
+    };
+}
+
 /// What to type to serve a session as this request does.
 std::string same_again(const ServeRequest& request) {
     const ServeRequest usual;
@@ -212,7 +221,7 @@ int serve_session(const ServeRequest& request) {
     const std::atomic<bool>& stop_serving = catch_stop();
     served.events = std::make_unique<EventRing>(start_of_events());
     served.live =
-        std::make_unique<LiveSession>(*served.store, *served.events, served.uploads.get(),
+        std::make_unique<LiveSession>(*served.store, *served.events, origin_in(*served.uploads),
                                       served.users.get(), name_of_session(request.session));
     served.api = std::make_unique<Api>(
         ApiParts{served.store.get(), served.live.get(), served.uploads.get(), served.users.get(),
@@ -260,7 +269,11 @@ int view_session(const std::string& session, const std::string& listen_on) {
     }
     const std::atomic<bool>& stop_serving = catch_stop();
     EventRing events(start_of_events());
-    LiveSession live(**reader, events, nullptr, nullptr, name_of_session(session));
+    const auto users = Users::open(session);
+    // Expected: whoever may not read who the users are sees their numbers
+    const Users* const known_users = users.ok() ? users->get() : nullptr;
+    LiveSession live(**reader, events, SentPhotographs(session), known_users,
+                     name_of_session(session));
     Api api({reader->get(), &live, nullptr, nullptr, session,
              hosts_of(*address, (*server)->port(), {}), thumbnail_in_sandbox});
     (*server)->start(api, events);

@@ -20,6 +20,7 @@
 #include "tools/commands/console/waiting_report.h"
 #include "tools/commands/exchange/geo_report.h"
 #include "tools/report/status_json.h"
+#include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {
 namespace {
@@ -35,9 +36,11 @@ struct Status {
     std::optional<WorldReference> reference;
 };
 
-Result<Status> read_status(const SessionReader& session, FactsMemory& memory) {
+Result<Status> read_status(const SessionReader& session, FactsMemory& memory,
+                           const OriginOf& origin_of) {
     auto facts = read_session_facts(session, memory);
     if (!facts.ok()) return facts.error();
+    add_origins(origin_of, *facts);
     Status status{*std::move(facts), std::nullopt};
     if (datum_of(evidence_of(status.facts.images), {}))
         status.reference = world_reference_of(status.facts.scene, status.facts.images);
@@ -73,7 +76,9 @@ void print_waiting(const std::vector<ImageFact>& facts) {
     std::map<std::string, std::string> advice;  // by reason
     for (const ImageFact& fact : facts) {
         if (fact.state != ImageState::kWaiting) continue;
-        std::cout << "waiting   " << fact.name << ": " << fact.words << '\n';
+        std::cout << "waiting   " << fact.name
+                  << (fact.origin ? " (" + fact.origin->title + ")" : "") << ": " << fact.words
+                  << '\n';
         if (!fact.advice.empty()) advice.emplace(fact.words, fact.advice);
     }
     for (const auto& [reason, what] : advice)
@@ -118,10 +123,11 @@ int show_status(const StatusArguments& arguments) {
     auto session = open_session_reader(arguments.session, StoreOptions{});
     if (!session.ok()) return report_error(session.error());
     FactsMemory memory;
+    const OriginOf origin_of = SentPhotographs(arguments.session);
     std::string last;
     while (true) {
         const bool is_running = read_run_state(arguments.session).has_value();
-        const auto status = read_status(**session, memory);
+        const auto status = read_status(**session, memory, origin_of);
         if (!status.ok()) return report_error(status.error());
         if (!arguments.json && !arguments.follow) {
             print_text(*status, arguments.session);

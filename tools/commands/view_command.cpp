@@ -16,6 +16,8 @@
 #include "tools/serve/page_data.h"
 #include "tools/serve/pages.h"
 #include "tools/serve/replay.h"
+#include "tools/serve/uploads/sent_photographs.h"
+#include "tools/serve/users.h"
 #include "tools/serve/view_page.h"
 
 namespace psfm {
@@ -35,10 +37,12 @@ bool stands_on_the_earth(const std::optional<WorldReference>& reference) {
            });
 }
 
-Result<ViewPageData> read_view(const SessionReader& session, const std::string& name) {
+Result<ViewPageData> read_view(const SessionReader& session, const std::filesystem::path& folder) {
+    const std::string name = std::filesystem::absolute(folder).lexically_normal().filename();
     FactsMemory memory;
-    const auto facts = read_session_facts(session, memory);
+    auto facts = read_session_facts(session, memory);
     if (!facts.ok()) return facts.error();
+    add_origins(SentPhotographs(folder), *facts);
     const auto edges = read_edges(session, facts->scene);
     if (!edges.ok()) return edges.error();
     auto cameras = session.cameras();
@@ -54,6 +58,10 @@ Result<ViewPageData> read_view(const SessionReader& session, const std::string& 
     page.in_metres = stands_on_the_earth(world_reference_of(facts->scene, facts->images));
     std::vector<std::string> names;
     for (const Image& image : facts->images) names.push_back(image.name);
+    for (const ImageFact& fact : facts->facts)
+        if (fact.id) names[index_of(*fact.id)] = fact.shown_name();
+    // Expected: whoever may not read who the users are sees their numbers
+    if (const auto users = Users::open(folder); users.ok()) page.users = (*users)->names();
     page.hints = HintBook().hints(facts->scene, *edges, names);
     FeatureColours colours(session);
     ShownScene shown;
@@ -78,9 +86,7 @@ int view(const ViewArguments& arguments) {
     if (arguments.output.empty()) return view_session(arguments.session, arguments.listen);
     const auto session = open_session_reader(arguments.session, StoreOptions{});
     if (!session.ok()) return report_error(session.error());
-    const std::string name =
-        std::filesystem::absolute(arguments.session).lexically_normal().filename();
-    const auto data = read_view(**session, name);
+    const auto data = read_view(**session, arguments.session);
     if (!data.ok()) return report_error(data.error());
     if (const auto written = write_whole_file(arguments.output, view_page(*data)); !written.ok())
         return report_error(written.error(), ErrorOrigin::kOtherInput);

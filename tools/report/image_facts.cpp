@@ -258,4 +258,9 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
     return facts;
 }
 
+void add_origins(const OriginOf& origin_of, SessionFacts& facts) {
+    if (!origin_of) return;
+    for (ImageFact& fact : facts.facts) fact.origin = origin_of(fact.name);
+}
+
 }  // namespace psfm

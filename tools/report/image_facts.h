@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,6 +27,13 @@ struct Since {
     std::uint32_t images = 0;
 };
 
+/// Of a photograph that somebody sent to a server.
+struct PhotographOrigin {
+    std::string title;  ///< its name for people
+    std::uint32_t user = 0;
+    std::string sha256;
+};
+
 /// All there is to say of one photograph.
 struct ImageFact {
     std::string name;
@@ -39,6 +47,10 @@ struct ImageFact {
     std::optional<std::uint32_t> part;  ///< effective cluster; only of placed images
     std::uint32_t inliers = 0;          ///< its observations in the model
     double error_px = 0.0;              ///< their mean reprojection error
+    std::optional<PhotographOrigin> origin;
+
+    /// For people.
+    const std::string& shown_name() const { return origin ? origin->title : name; }
 };
 
 /// A session as it is told of: one published version, and what has arrived since.
@@ -101,6 +113,10 @@ struct FactsMemory {
     SinceBook since;
     std::vector<PastVersion> versions;
 };
+
+/// By a photograph's name in the session; nothing of one that nobody sent.
+using OriginOf = std::function<std::optional<PhotographOrigin>(const std::string& name)>;
+void add_origins(const OriginOf& origin_of, SessionFacts& facts);
 
 /// @param scene  the version to tell of, from the process that works on the session: the points of
 ///               clusters that rest may be missing; null: the latest one of the store

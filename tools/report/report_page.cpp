@@ -78,7 +78,7 @@ std::string not_placed(const ReportFacts& facts) {
         const bool is_rejected = fact.state == ImageState::kRejected;
         Group& group = groups[(is_rejected ? "rejected: " : "") + fact.words];
         group.advice = fact.advice;
-        group.names.push_back(fact.name);
+        group.names.push_back(fact.shown_name());
     }
     std::string html = section("Not placed, and why",
                                "No photograph is dropped in silence: each that is in no model has "
@@ -203,10 +203,15 @@ std::string cameras(const ReportFacts& facts) {
         "Intrinsics before and after: what photographs said, and what each cluster found (focal "
         "length and principal point in pixels, then distortion). Below, where in the photograph "
         "features lie off their points: a pattern means that the camera's model does not fit.");
+    std::vector<const CameraFacts*> shown;
+    for (const CameraFacts& camera : facts.cameras) {
+        if (camera.images > 0) shown.push_back(&camera);
+    }
+    std::ranges::stable_sort(shown, std::ranges::greater{}, &CameraFacts::images);
     HtmlTable table({"camera", "size", "photographs", "focal length from", "before",
                      "after, by cluster", "mean error [px]"});
-    for (std::size_t i = 0; i < std::min(facts.cameras.size(), kMostRows); ++i) {
-        const CameraFacts& camera = facts.cameras[i];
+    for (std::size_t i = 0; i < std::min(shown.size(), kMostRows); ++i) {
+        const CameraFacts& camera = *shown[i];
         std::string after;
         for (std::size_t k = 0; k < std::min<std::size_t>(camera.after.size(), 4); ++k)
             after += (k > 0 ? "; " : "") + parameters(camera.after[k].second);
@@ -218,13 +223,8 @@ std::string cameras(const ReportFacts& facts) {
                    parameters(camera.before), after, number(camera.mean_px, 3)});
     }
     html += table.finish();
-    if (facts.cameras.size() > kMostRows)
-        html += "<p>… and " + std::to_string(facts.cameras.size() - kMostRows) + " more.</p>\n";
-    std::vector<const CameraFacts*> shown;
-    for (const CameraFacts& camera : facts.cameras) {
-        if (camera.images > 0) shown.push_back(&camera);
-    }
-    std::ranges::stable_sort(shown, std::ranges::greater{}, &CameraFacts::images);
+    if (shown.size() > kMostRows)
+        html += "<p>… and " + std::to_string(shown.size() - kMostRows) + " more.</p>\n";
     for (std::size_t i = 0; i < std::min(shown.size(), kMostMaps); ++i) {
         html += "<h3>Camera " + std::to_string(index_of(shown[i]->id)) + ": " +
                 std::to_string(shown[i]->images) + " photographs</h3>\n" + residual_plot(*shown[i]);
@@ -275,7 +275,7 @@ std::string images(const ReportFacts& facts) {
     HtmlTable table({"image", "state", "cluster", "part", "in the model", "error [px]"});
     for (const ImageFact& fact : facts.session.facts) {
         const bool placed = fact.state == ImageState::kPlaced;
-        table.row({fact.name, placed ? "placed" : fact.words,
+        table.row({fact.shown_name(), placed ? "placed" : fact.words,
                    fact.cluster ? std::to_string(index_of(*fact.cluster)) : "",
                    fact.part ? std::to_string(*fact.part) : "",
                    placed ? std::to_string(fact.inliers) : "",

@@ -31,6 +31,11 @@ ordered_json json_of(const ImageFact& fact) {
         object["id"] = index_of(*fact.id);
         object["since"] = {{"version", fact.since.version}, {"images", fact.since.images}};
     }
+    if (fact.origin) {
+        object["title"] = fact.origin->title;
+        object["user"] = fact.origin->user;
+        object["sha256"] = fact.origin->sha256;
+    }
     if (fact.cluster) object["cluster"] = index_of(*fact.cluster);
     if (fact.part) {
         object["part"] = *fact.part;

@@ -229,11 +229,13 @@ HttpResponse Api::thumbnail(std::uint32_t image) const {
         bytes.assign(std::istreambuf_iterator<char>(stream), {});
     } else if (auto made = parts_.thumbnail(*photo)) {
         bytes = *std::move(made);
-        std::error_code ignored;
-        std::filesystem::create_directories(kept.parent_path(), ignored);
-        const std::filesystem::path part = kept.string() + ".part";
-        std::ofstream(part, std::ios::binary) << bytes;
-        std::filesystem::rename(part, kept, ignored);
+        if (parts_.uploads != nullptr) {  // a session that is only looked at is left alone
+            std::error_code ignored;
+            std::filesystem::create_directories(kept.parent_path(), ignored);
+            const std::filesystem::path part = kept.string() + ".part";
+            std::ofstream(part, std::ios::binary) << bytes;
+            std::filesystem::rename(part, kept, ignored);
+        }
     }
     if (bytes.empty()) return problem(404, "no thumbnail can be made of this photograph");
     HttpResponse response;

@@ -169,6 +169,7 @@ std::vector<Hint> HintBook::hints(const Scene& scene, const std::vector<EdgeFact
     std::vector<std::pair<float, ImageId>> flat;
     for (const auto& [cluster, known] : known_) {
         for (const auto& [image, support] : known.support) {
+            if (!cameras.contains(image)) continue;  // in the stored model alone
             if (static_cast<double>(support.observations) < few)
                 thin.emplace_back(support.observations, image);
             if (support.observations > 0 &&

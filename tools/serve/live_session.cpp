@@ -34,11 +34,11 @@ std::string gist_of(const ImageFact& fact) {
 
 }  // namespace
 
-LiveSession::LiveSession(const SessionReader& reader, EventRing& events, const UploadStore* uploads,
+LiveSession::LiveSession(const SessionReader& reader, EventRing& events, OriginOf origin_of,
                          const Users* users, std::string name, const LiveOptions& options)
     : reader_(&reader),
       events_(&events),
-      uploads_(uploads),
+      origin_of_(std::move(origin_of)),
       users_(users),
       name_(std::move(name)),
       options_(options),
@@ -143,6 +143,7 @@ void LiveSession::run() {
 std::optional<SessionFacts> LiveSession::tell(const ScenePtr& scene) {
     auto facts = read_session_facts(*reader_, memory_, scene);
     if (!facts.ok()) return std::nullopt;  // Expected: the next version may be had
+    add_origins(origin_of_, *facts);
     tell_images(facts->facts);
     return *std::move(facts);
 }
@@ -171,23 +172,11 @@ void LiveSession::show(SessionFacts facts, bool settled) {
     page.edges = edges.ok() ? &*edges : &none;
     // Expected: as the edges
     if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
-    std::map<std::string, PhotographOrigin> origins;
-    if (uploads_ != nullptr) {
-        for (const Upload& upload : uploads_->uploads())
-            origins[upload.file] = {upload.title, upload.user, upload.sha256};
-        page.origins = &origins;
-    }
-    if (users_ != nullptr) {
-        for (const User& user : users_->all()) {
-            if (page.users.size() <= user.number) page.users.resize(user.number + 1);
-            page.users[user.number] = user.name;
-        }
-    }
+    if (users_ != nullptr) page.users = users_->names();
     std::vector<std::string> names;
-    for (const Image& image : facts.images) {
-        const auto origin = origins.find(image.name);
-        names.push_back(origin == origins.end() ? image.name : origin->second.title);
-    }
+    for (const Image& image : facts.images) names.push_back(image.name);
+    for (const ImageFact& fact : facts.facts)
+        if (fact.id) names[index_of(*fact.id)] = fact.shown_name();
     page.hints = hints_;
     // Expected: as above
     if (edges.ok() && (settled || Clock::now() >= next_hints_)) {
@@ -252,15 +241,7 @@ void LiveSession::tell_images(const std::vector<ImageFact>& facts) {
         std::string& told = told_[fact.name];
         if (told == gist) continue;
         told = std::move(gist);
-        ordered_json image = ordered_json::parse(image_json(fact));
-        if (uploads_ != nullptr) {
-            if (const auto upload = uploads_->find_file(fact.name)) {
-                image["title"] = upload->title;
-                image["user"] = upload->user;
-                image["sha256"] = upload->sha256;
-            }
-        }
-        events_->publish("image", text_of(image));
+        events_->publish("image", image_json(fact));
     }
 }
 

@@ -16,7 +16,6 @@
 #include "scheduler/flow/run_session.h"
 #include "tools/serve/event_ring.h"
 #include "tools/serve/page_data.h"
-#include "tools/serve/upload_store.h"
 #include "tools/serve/users.h"
 
 namespace psfm {
@@ -38,8 +37,9 @@ struct LiveOptions {
 class LiveSession final : public SessionObserver {
   public:
     /// @param reader   of the session: the engine's own store, or a reader beside another process
-    /// @param uploads  null: photographs have no origin
-    LiveSession(const SessionReader& reader, EventRing& events, const UploadStore* uploads,
+    /// @param origin_of  may be empty: photographs have no origin
+    /// @param users      null: there are none
+    LiveSession(const SessionReader& reader, EventRing& events, OriginOf origin_of,
                 const Users* users, std::string name, const LiveOptions& options = {});
     ~LiveSession() override;
     LiveSession(const LiveSession&) = delete;
@@ -78,7 +78,7 @@ class LiveSession final : public SessionObserver {
 
     const SessionReader* reader_;
     EventRing* events_;
-    const UploadStore* uploads_;
+    const OriginOf origin_of_;
     const Users* users_;
     const std::string name_;
     const LiveOptions options_;

@@ -17,18 +17,8 @@ using nlohmann::ordered_json;
 
 ordered_json images_json(const PageSession& session) {
     ordered_json images = ordered_json::array();
-    for (const ImageFact& fact : session.facts->facts) {
-        ordered_json image = ordered_json::parse(image_json(fact));
-        if (session.origins != nullptr) {
-            if (const auto origin = session.origins->find(fact.name);
-                origin != session.origins->end()) {
-                image["title"] = origin->second.title;
-                image["user"] = origin->second.user;
-                image["sha256"] = origin->second.sha256;
-            }
-        }
-        images.push_back(std::move(image));
-    }
+    for (const ImageFact& fact : session.facts->facts)
+        images.push_back(ordered_json::parse(image_json(fact)));
     return images;
 }
 

@@ -16,13 +16,6 @@ namespace psfm {
 
 // What the pages are given of a session (docs/serve.md). None of it holds a position on the earth.
 
-/// Who sent a photograph, and what it was called there.
-struct PhotographOrigin {
-    std::string title;  ///< its name for people
-    std::uint32_t user = 0;
-    std::string sha256;
-};
-
 struct PageSession {
     std::string name;
     const SessionFacts* facts = nullptr;
@@ -30,8 +23,6 @@ struct PageSession {
     std::vector<Hint> hints;
     std::map<CameraId, Camera> cameras;  ///< as accepted
     bool in_metres = false;              ///< parts stand where positions put them
-    /// By the image's name; those that are not in it have no origin. May be null.
-    const std::map<std::string, PhotographOrigin>* origins = nullptr;
     std::vector<std::string> users;
     /// Who asks, when there are users.
     std::string me, role;

@@ -206,6 +206,15 @@ std::vector<User> Users::all() const {
     return users_;
 }
 
+std::vector<std::string> Users::names() const {
+    std::vector<std::string> names;
+    for (const User& user : all()) {
+        if (names.size() <= user.number) names.resize(user.number + 1);
+        names[user.number] = user.name;
+    }
+    return names;
+}
+
 std::optional<User> Users::of_token(std::string_view token) const {
     const std::string hash = sha256_hex(token);
     const std::lock_guard lock(mutex_);

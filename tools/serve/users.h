@@ -52,7 +52,8 @@ class Users {
     /// Whether there is a user, or was one since this object is: a file that is gone gives nobody
     /// more than he had.
     bool had_any() const;
-    std::vector<User> all() const;  ///< removed ones, too
+    std::vector<User> all() const;           ///< removed ones, too
+    std::vector<std::string> names() const;  ///< by number, those of removed ones, too
     /// Whose token it is, unless it has expired. Takes as long for every token.
     std::optional<User> of_token(std::string_view token) const;
     /// Whether this user's link still holds.

@@ -85,6 +85,16 @@ TEST(Hints, AreThoseOfTheStoredModelWhereAClusterRests) {
     EXPECT_THAT(HintBook().hints(resting, {}, kNames), IsEmpty()) << "nothing is known of it";
 }
 
+TEST(Hints, SayNothingOfACameraThatTheStoredModelAloneHas) {
+    const auto model = row_of_cameras(100, 10);
+    Reconstruction fewer = *model;
+    fewer.points = {};
+    fewer.images.pop_back();
+    const Scene scene = scene_of(std::make_shared<const Reconstruction>(std::move(fewer)));
+    EXPECT_THAT(HintBook().hints(scene, {}, kNames, [&](const SceneCluster&) { return model; }),
+                IsEmpty());
+}
+
 TEST(Hints, FollowAModelThatChanges) {
     HintBook book;
     EXPECT_EQ(book.hints(scene_of(row_of_cameras(100, 10)), {}, kNames).size(), 1U);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/serve/sandbox.h"
+#include "tools/serve/decoding/sandbox.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

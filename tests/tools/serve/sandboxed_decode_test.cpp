@@ -16,8 +16,8 @@
 #include <string>
 #include <thread>
 
-#include "tools/serve/decoder_forks.h"
-#include "tools/serve/sandbox.h"
+#include "tools/serve/decoding/decoder_forks.h"
+#include "tools/serve/decoding/sandbox.h"
 
 namespace psfm {
 namespace {

@@ -3,7 +3,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Photographs on their way into psfm serve, from clients that are not ours: curl, and one that speaks tus.
 Usage: uploads_test.py BUILD [TEST …]"""
+import base64
+import gzip
 import http.client
+import json
 import re
 import shutil
 import signal
@@ -12,7 +15,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from serve_case import ServeCase
+from serve_case import ServeCase, psfm
 from server import API, sha
 
 SERVE_MD = Path(__file__).resolve().parents[3] / "docs/serve.md"
@@ -99,6 +102,26 @@ class Uploads(ServeCase):
         self.wait_for(lambda: self.names(tokens["Ada"]) == ["2.jpg", "3.jpg", "4.jpg", "again.jpg", "anew.jpg"])
         self.assertEqual(self.server.put(last, "last.jpg", tokens["Bob"])[0], 201)
         self.assertEqual(self.server.stop(), 0)
+
+    def test_a_photograph_is_called_what_its_sender_called_it(self):
+        server = self.serve_finished()
+        server.stop()
+        code, out, err = psfm("status", "--session", self.session, "--json")
+        self.assertEqual(code, 0, err)
+        images = json.loads(out)["image_list"]
+        self.assertEqual([image["title"] for image in images], [f"IMG_{i}.jpg" for i in range(6)])
+        self.assertEqual({image["sha256"] for image in images}, {sha(photo) for photo in self.photos})
+        for command in ("report", "view"):
+            page = self.session.parent / f"{command}.html"
+            code, _, err = psfm(command, "--session", self.session, "--output", page)
+            if command == "view" and "without pages" in err:
+                continue
+            self.assertEqual(code, 0, err)
+            text = page.read_text()
+            if command == "view":
+                packed = re.search(r'id="session">([^<]+)<', text).group(1)
+                text = gzip.decompress(base64.b64decode(packed)).decode()
+            self.assertTrue("IMG_3.jpg" in text, command)
 
     def test_a_removal_outlives_a_server_that_dies_at_once(self):
         token = self.user("Ada")

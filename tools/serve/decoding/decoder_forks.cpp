@@ -3,7 +3,7 @@
 //
 // A request is a packet on a pair of sockets: the time that is allowed, the words, a zero after
 // each; and with it the end of a pipe that the decoder writes to.
-#include "tools/serve/decoder_forks.h"
+#include "tools/serve/decoding/decoder_forks.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -16,8 +16,8 @@
 
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/read_photo.h"
-#include "tools/serve/decoder_forks.h"
-#include "tools/serve/sandbox.h"
+#include "tools/serve/decoding/decoder_forks.h"
+#include "tools/serve/decoding/sandbox.h"
 
 namespace psfm {
 namespace {

@@ -21,8 +21,7 @@ using DecoderWords = std::vector<std::string>;
 /// @param seconds  on the clock that it may take
 /// @param most     bytes that are taken from it
 /// @return nothing when it wrote nothing, took too long, or could not be started
-std::optional<std::string> decoder_output(const DecoderWords& words, int seconds,
-                                          std::size_t most);
+std::optional<std::string> decoder_output(const DecoderWords& words, int seconds, std::size_t most);
 
 /// The process between. Forks a decoder for each request that comes on the standard input, ends
 /// those that take too long, and returns once whoever asks is gone.
