@@ -75,6 +75,7 @@ std::map<ImageId, HintBook::Support> HintBook::support_in(const Reconstruction& 
     std::vector<Support> support(model.images.size());
     std::vector<std::vector<float>> angles_deg(model.images.size());
     std::vector<Eigen::Vector3d> centres;
+    centres.reserve(model.images.size());
     for (const RegisteredImage& image : model.images)
         centres.push_back(image.cam_from_cluster.target_origin_in_source());
     std::vector<std::pair<std::uint32_t, Eigen::Vector3d>> rays;
@@ -149,6 +150,7 @@ std::vector<Hint> HintBook::hints(const Scene& scene, const std::vector<EdgeFact
                            b->second.cluster->effective_cluster);
         }
     }
+    hints.reserve(between_parts.size());
     for (const auto& [parts, edge] : between_parts) {
         hints.push_back({Hint::Kind::kJoinParts, edge->pair.first,
                          "two more from between " + name(edge->pair.first) + " and " +

@@ -174,6 +174,7 @@ void LiveSession::show(SessionFacts facts, bool settled) {
     if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
     if (users_ != nullptr) page.users = users_->names();
     std::vector<std::string> names;
+    names.reserve(facts.images.size());
     for (const Image& image : facts.images) names.push_back(image.name);
     for (const ImageFact& fact : facts.facts)
         if (fact.id) names[index_of(*fact.id)] = fact.shown_name();

@@ -17,7 +17,7 @@ constexpr std::size_t kSample = 2000;  // Guard: of points, where a few say as m
 struct NearBox {
     Eigen::Vector3f low, high;
 
-    static NearBox of(std::vector<Eigen::Vector3f> points, float margin) {
+    static NearBox of(const std::vector<Eigen::Vector3f>& points, float margin) {
         NearBox box;
         const std::size_t cut = points.size() / 100;
         for (int axis = 0; axis < 3; ++axis) {
@@ -73,13 +73,14 @@ void write_positions(WireWriter& writer, const WireBox& box,
 
 double extent_of(const ShownCluster& shown) {
     std::vector<Eigen::Vector3f> sample;
+    sample.reserve(shown.poses.size() + 2 * kSample);
     for (const auto& [image, pose] : shown.poses) sample.push_back(pose.centre);
     const std::size_t stride = std::max<std::size_t>(1, shown.points.size() / kSample);
     for (std::size_t i = 0; i < shown.points.size(); i += stride) {
         if (shown.points[i].there) sample.push_back(shown.points[i].position);
     }
     if (sample.size() < 2) return 1.0;
-    const NearBox box = NearBox::of(std::move(sample), 0.F);
+    const NearBox box = NearBox::of(sample, 0.F);
     return std::max(static_cast<double>((box.high - box.low).norm()), 1e-9);
 }
 
@@ -131,6 +132,7 @@ bool fit_frame(ShownCluster& shown, const Reconstruction& model, double most) {
     constexpr std::size_t kFewest = 8;  // Guard: fewer determine no similarity that outliers spare
     if (pairs.size() < kFewest) return false;
     std::vector<double> distances;
+    distances.reserve(pairs.size());
     for (const auto& [from, to] : pairs)
         distances.push_back((shown.cluster_from_shown * from - to).norm());
     if (upper_median(distances) <= most * shown.cluster_from_shown.scale) return false;
@@ -204,6 +206,7 @@ std::vector<std::string> move_contents(ShownCluster& shown,
 void sort_for_wire(std::vector<ShownPoint>& points) {
     if (points.empty()) return;
     std::vector<Eigen::Vector3f> positions;
+    positions.reserve(points.size());
     for (const ShownPoint& point : points) positions.push_back(point.position);
     const NearBox near = NearBox::of(positions, 0.5F);
     WireBox box;
@@ -215,6 +218,7 @@ void sort_for_wire(std::vector<ShownPoint>& points) {
                                      box.step(point.position[2], 2)));
     };
     std::vector<std::pair<std::pair<bool, std::uint32_t>, std::size_t>> order;
+    order.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back(place(points[i]), i);
     std::ranges::sort(order);
     std::vector<ShownPoint> sorted;
