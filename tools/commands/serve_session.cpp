@@ -148,14 +148,6 @@ void give_way_to_answers() {
     setpriority(PRIO_PROCESS, 0, kNiceness);
 }
 
-OriginOf origin_in(const UploadStore& uploads) {
-    return [&uploads](const std::string& name) -> std::optional<PhotographOrigin> {
-        const auto upload = uploads.find_file(name);
-        if (!upload) return std::nullopt;
-        return PhotographOrigin{upload->title, upload->user, upload->sha256};
-    };
-}
-
 /// What to type to serve a session as this request does.
 std::string same_again(const ServeRequest& request) {
     const ServeRequest usual;
@@ -219,10 +211,13 @@ int serve_session(const ServeRequest& request) {
     }
 
     const std::atomic<bool>& stop_serving = catch_stop();
+    const auto origin_of = [&uploads = *served.uploads](const std::string& name) {
+        return uploads.origin_of(name);
+    };
     served.events = std::make_unique<EventRing>(start_of_events());
     served.live =
-        std::make_unique<LiveSession>(*served.store, *served.events, origin_in(*served.uploads),
-                                      served.users.get(), name_of_session(request.session));
+        std::make_unique<LiveSession>(*served.store, *served.events, origin_of, served.users.get(),
+                                      name_of_session(request.session));
     served.api = std::make_unique<Api>(
         ApiParts{served.store.get(), served.live.get(), served.uploads.get(), served.users.get(),
                  request.session, hosts_of(*address, served.server->port(), request.hosts),

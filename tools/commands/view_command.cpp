@@ -56,13 +56,9 @@ Result<ViewPageData> read_view(const SessionReader& session, const std::filesyst
     page.edges = &*edges;
     page.cameras = *std::move(cameras);
     page.in_metres = stands_on_the_earth(world_reference_of(facts->scene, facts->images));
-    std::vector<std::string> names;
-    for (const Image& image : facts->images) names.push_back(image.name);
-    for (const ImageFact& fact : facts->facts)
-        if (fact.id) names[index_of(*fact.id)] = fact.shown_name();
     // Expected: whoever may not read who the users are sees their numbers
     if (const auto users = Users::open(folder); users.ok()) page.users = (*users)->names();
-    page.hints = HintBook().hints(facts->scene, *edges, names);
+    page.hints = HintBook().hints(facts->scene, *edges, shown_names(*facts));
     FeatureColours colours(session);
     ShownScene shown;
     ViewPageData data;

@@ -29,7 +29,8 @@ Result<void> add_placed(const SessionReader& session, InlierCache& cache, Sessio
                 facts.facts[index_of(member)].cluster = cluster->id;
         }
         if (!cluster->model) continue;
-        const auto inliers = cache.of(*cluster, session);
+        const auto inliers =
+            cache.of(*cluster, [&](ImageId image) { return session.keypoints(image); });
         if (!inliers.ok()) return inliers.error();
         for (const RegisteredImage& image : cluster->model->images) {
             if (index_of(image.image) >= facts.facts.size()) continue;
@@ -84,7 +85,7 @@ const char* state_name(ImageState state) {
     return "unknown";
 }
 
-Result<void> InlierCache::follow(const Reconstruction& model, const SessionReader& session,
+Result<void> InlierCache::follow(const Reconstruction& model, const KeypointsProvider& keypoints,
                                  Known& known) {
     const BlockDifference differing =
         difference_between(known.model ? known.model->points : ScenePoints(), model.points);
@@ -93,7 +94,8 @@ Result<void> InlierCache::follow(const Reconstruction& model, const SessionReade
         if (index_of(image) >= points.size()) points.resize(index_of(image) + 1, 0);
         return points[index_of(image)];
     };
-    for (const auto& [image, grounds] : known.grounds) points_of(image) = grounds.points;
+    if (known.model)
+        for (const auto& [image, grounds] : known.grounds) points_of(image) = grounds.points;
     for (const PointBlockPtr& block : differing.gone)
         each_observation(*block, [&](ImageId image, auto number) { points_of(image) -= number; });
     for (const PointBlockPtr& block : differing.come)
@@ -111,8 +113,7 @@ Result<void> InlierCache::follow(const Reconstruction& model, const SessionReade
                     !is_same(before->second.cam_from_cluster, now.cam_from_cluster);
         grounds.emplace(image.image, now);
     }
-    const auto residuals = residuals_of(
-        model, [&](ImageId image) { return session.keypoints(image); }, wanted);
+    const auto residuals = residuals_of(model, keypoints, wanted);
     if (!residuals.ok()) return residuals.error();
     std::map<ImageId, Entry> entries;
     for (std::size_t i = 0; i < model.images.size(); ++i) {
@@ -127,13 +128,14 @@ Result<void> InlierCache::follow(const Reconstruction& model, const SessionReade
     return {};
 }
 
-Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(const SceneCluster& cluster,
-                                                                     const SessionReader& session) {
+Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(
+    const SceneCluster& cluster, const KeypointsProvider& keypoints) {
     Known& known = known_[cluster.id];
-    // Points of a cluster that rests are in the store only; what is known of it holds.
-    const bool rests = cluster.model->points.empty() && !known.entries.empty();
-    if (known.model != cluster.model && !rests) {
-        const auto followed = follow(*cluster.model, session, known);
+    if (cluster.model->points.empty() && !known.entries.empty()) {
+        // Points of a cluster that rests are in the store only; what is known of it holds.
+        known.model = nullptr;
+    } else if (known.model != cluster.model) {
+        const auto followed = follow(*cluster.model, keypoints, known);
         if (!followed.ok()) return followed.error();
         known.model = cluster.model;
     }
@@ -261,6 +263,15 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
 void add_origins(const OriginOf& origin_of, SessionFacts& facts) {
     if (!origin_of) return;
     for (ImageFact& fact : facts.facts) fact.origin = origin_of(fact.name);
+}
+
+std::vector<std::string> shown_names(const SessionFacts& facts) {
+    std::vector<std::string> names;
+    names.reserve(facts.images.size());
+    for (const Image& image : facts.images) names.push_back(image.name);
+    for (const ImageFact& fact : facts.facts)
+        if (fact.id) names[index_of(*fact.id)] = fact.shown_name();
+    return names;
 }
 
 }  // namespace psfm

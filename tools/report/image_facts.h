@@ -13,6 +13,7 @@
 #include "graph/image.h"
 #include "graph/scene.h"
 #include "scheduler/session/encode_state.h"
+#include "storage/exchange/models/export_models.h"
 #include "storage/session/session_store.h"
 
 namespace psfm {
@@ -66,7 +67,7 @@ struct SessionFacts {
 
 /// Inliers and errors of models that have been looked at, so that who asks again and again pays for
 /// what has changed: images whose pose, camera or points are others. Grows with the images of the
-/// session, and keeps the models.
+/// session, and keeps the models of clusters that do not rest.
 class InlierCache {
   public:
     struct Entry {
@@ -75,7 +76,7 @@ class InlierCache {
     };
     /// By image of the cluster's model. @errors those of residuals_of
     Result<const std::map<ImageId, Entry>*> of(const SceneCluster& cluster,
-                                               const SessionReader& session);
+                                               const KeypointsProvider& keypoints);
 
   private:
     /// What an image's errors follow from.
@@ -89,7 +90,7 @@ class InlierCache {
         std::map<ImageId, Grounds> grounds;
         std::map<ImageId, Entry> entries;
     };
-    static Result<void> follow(const Reconstruction& model, const SessionReader& session,
+    static Result<void> follow(const Reconstruction& model, const KeypointsProvider& keypoints,
                                Known& known);
     std::map<ClusterId, Known> known_;
 };
@@ -117,6 +118,8 @@ struct FactsMemory {
 /// By a photograph's name in the session; nothing of one that nobody sent.
 using OriginOf = std::function<std::optional<PhotographOrigin>(const std::string& name)>;
 void add_origins(const OriginOf& origin_of, SessionFacts& facts);
+/// What photographs are called, by image id.
+std::vector<std::string> shown_names(const SessionFacts& facts);
 
 /// @param scene  the version to tell of, from the process that works on the session: the points of
 ///               clusters that rest may be missing; null: the latest one of the store

@@ -116,6 +116,7 @@ void HintBook::follow(const Scene& scene, const WholeModel& whole) {
         const bool rests = cluster->model->points.empty();
         if (known.model &&
             (rests ? known.revision == cluster->revision : known.model == cluster->model)) {
+            known.model = cluster->model;  // without its points, where it rests
             continue;
         }
         const auto model = rests && whole ? whole(*cluster) : cluster->model;

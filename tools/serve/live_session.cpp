@@ -173,16 +173,11 @@ void LiveSession::show(SessionFacts facts, bool settled) {
     // Expected: as the edges
     if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
     if (users_ != nullptr) page.users = users_->names();
-    std::vector<std::string> names;
-    names.reserve(facts.images.size());
-    for (const Image& image : facts.images) names.push_back(image.name);
-    for (const ImageFact& fact : facts.facts)
-        if (fact.id) names[index_of(*fact.id)] = fact.shown_name();
     page.hints = hints_;
     // Expected: as above
     if (edges.ok() && (settled || Clock::now() >= next_hints_)) {
         const Clock::time_point start = Clock::now();
-        page.hints = hint_book_.hints(*scene, *edges, names, whole);
+        page.hints = hint_book_.hints(*scene, *edges, shown_names(facts), whole);
         const double pause = std::max(options_.seconds_between_hints,
                                       seconds_since(start) / options_.share_of_hints);
         next_hints_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(

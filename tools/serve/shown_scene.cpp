@@ -152,9 +152,9 @@ void ShownScene::follow(ClusterId id, Cluster& shown, const SceneCluster& cluste
     if (settled || is_new || cluster.model != shown.model || has_new_points) {
         // As far as nobody sees.
         const double still = kStill * tolerance * extent_of(shown);
-        if (settled || (!is_new && !model->points.empty() && fit_frame(shown, *model, still)))
-            shown.followed = {};
-        if (!model->points.empty()) follow_points(id, shown, *model, sources, tolerance, changes);
+        const bool rests = model->points.empty();
+        if (settled || rests || (!is_new && fit_frame(shown, *model, still))) shown.followed = {};
+        if (!rests) follow_points(id, shown, *model, sources, tolerance, changes);
         follow_poses(id, shown, *cluster.model, tolerance, changes);
     }
     const Sim3 world_from_shown = cluster.world_from_cluster * shown.cluster_from_shown;

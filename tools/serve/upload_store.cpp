@@ -11,6 +11,7 @@
 
 #include "tools/serve/sha256.h"
 #include "tools/serve/upload_sink.h"
+#include "tools/serve/uploads/sent_photographs.h"
 #include "tools/serve/uploads/upload_files.h"
 
 namespace psfm {
@@ -23,15 +24,6 @@ HttpResponse wait_problem(unsigned seconds, const std::string& why) {
     HttpResponse response = problem(429, why);
     response.headers.emplace_back("Retry-After", std::to_string(seconds));
     return response;
-}
-
-std::string line_of(const Upload& upload) {
-    const ordered_json line{{"sha256", upload.sha256},
-                            {"user", upload.user},
-                            {"name", upload.title},
-                            {"file", upload.file},
-                            {"time", upload.time}};
-    return "\n" + line.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
@@ -48,61 +40,26 @@ Result<std::unique_ptr<UploadStore>> UploadStore::open(const fs::path& session,
         return Error{ErrorCode::kIo, store->folder_.string() + " cannot be made: " +
                                          error.message() + "; is the disk full?"};
     }
-    if (const auto done = store->read_log(); !done.ok()) return done.error();
+    const auto bytes_of = [&](const std::string& file) -> std::uint64_t {
+        std::error_code gone;  // Expected: taken back, or removed by somebody
+        const auto bytes = fs::file_size(store->folder_ / file, gone);
+        return gone ? 0 : bytes;
+    };
+    store->book_ = SentBook::read(store->session_ / "uploads.log", bytes_of);
+    store->removed_ = store->book_.removed();
+    // What somebody else removed may come again.
+    for (const Upload& upload : std::vector(store->book_.uploads())) {
+        if (upload.bytes == 0) store->book_.take_back(upload.user, upload.sha256, true);
+    }
     store->unfinished_ = UnfinishedUploads::found_in(store->folder_);
     return store;
 }
 
-Result<void> UploadStore::read_log() {
-    std::ifstream stream(session_ / "uploads.log");
-    std::string line;
-    while (std::getline(stream, line)) {
-        const auto object = nlohmann::json::parse(line, nullptr, false);
-        if (!object.is_object()) continue;  // broken off by a crash: it was never acknowledged
-        try {
-            if (object.contains("removed")) {
-                auto file =
-                    take_back(object.at("user").get<std::uint32_t>(),
-                              object["removed"].get<std::string>(), object.contains("of_all"));
-                if (file) removed_.push_back(*std::move(file));
-                continue;
-            }
-            Upload upload{
-                object.at("sha256").get<std::string>(), object.at("user").get<std::uint32_t>(),
-                object.at("name").get<std::string>(), object.at("file").get<std::string>(),
-                object.at("time").get<std::int64_t>()};
-            const bool is_new = !sent_by_.contains({upload.user, upload.sha256});
-            if (!is_sha256(upload.sha256) || !is_new) continue;
-            std::error_code error;  // Expected: removed since
-            const auto bytes = fs::file_size(folder_ / upload.file, error);
-            sent_by_.emplace(upload.user, upload.sha256);
-            if (by_sha256_.contains(upload.sha256)) {
-                repeats_.push_back(std::move(upload));
-                continue;
-            }
-            bytes_of_user_[upload.user] += error ? 0 : bytes;
-            by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
-            uploads_.push_back(std::move(upload));
-        } catch (const nlohmann::json::exception&) {
-            continue;
-        }
-    }
-    std::erase_if(removed_, [&](const std::string& file) { return by_file_.contains(file); });
-    // Files that somebody else removed may come again.
-    for (const Upload& upload : std::vector(uploads_)) {
-        std::error_code error;  // Expected: it is not there
-        if (!fs::exists(folder_ / upload.file, error)) take_back(upload.user, upload.sha256, true);
-    }
-    return {};
-}
-
 UploadStore::Progress UploadStore::progress(std::uint32_t user, const std::string& sha256) const {
     const std::lock_guard lock(mutex_);
-    std::error_code error;  // Expected: of what is not there, nothing is there
-    if (sent_by_.contains({user, sha256})) {
-        const auto file = folder_ / uploads_[by_sha256_.at(sha256)].file;
-        const auto bytes = fs::file_size(file, error);
-        return {error ? 0 : bytes, error ? 0 : bytes, true};
+    if (book_.has_sent(user, sha256)) {
+        const std::uint64_t bytes = book_.find(sha256)->bytes;
+        return {bytes, bytes, true};
     }
     return begun(user, sha256);
 }
@@ -146,9 +103,7 @@ std::optional<HttpResponse> UploadStore::refuse_share(const Offer& offer,
         std::ranges::count_if(open_, [&](const auto& one) { return one.second == offer.user; });
     if (static_cast<std::size_t>(of_user) >= limits_.at_once_of_user)
         return wait_problem(1, "you are sending many photographs at the moment");
-    const auto bytes = bytes_of_user_.find(offer.user);
-    if ((bytes == bytes_of_user_.end() ? 0 : bytes->second) +
-            unfinished_.bytes_beside(offer.user, offer.sha256) + length >
+    if (book_.bytes_of(offer.user) + unfinished_.bytes_beside(offer.user, offer.sha256) + length >
         limits_.quota_bytes)
         return problem(507, "you have sent as much as one user may here");
     struct statvfs disk {};
@@ -175,7 +130,7 @@ UploadStore::Admission UploadStore::admit(const Offer& asked) {
         return refuse(problem(404, "a photograph is called by its SHA-256, in small letters"));
     const std::lock_guard lock(mutex_);
     remove_abandoned();
-    if (by_sha256_.contains(offer.sha256)) return refuse(know_again(offer));
+    if (book_.find(offer.sha256) != nullptr) return refuse(know_again(offer));
     if (open_.contains(offer.sha256))
         return refuse(problem(423, "this photograph is being sent at the moment"));
     const Progress here = begun(offer.user, offer.sha256);
@@ -200,22 +155,18 @@ UploadStore::Admission UploadStore::admit(const Offer& asked) {
 }
 
 HttpResponse UploadStore::know_again(const Offer& offer) {
-    const Upload& first = uploads_[by_sha256_.at(offer.sha256)];
-    std::error_code error;  // Expected: somebody removed the file; it was here
-    const auto bytes = fs::file_size(folder_ / first.file, error);
-    if (!sent_by_.contains({offer.user, offer.sha256})) {
-        Upload repeat = first;
+    Upload repeat = *book_.find(offer.sha256);
+    if (!book_.has_sent(offer.user, offer.sha256)) {
         repeat.user = offer.user;
         repeat.title = offer.title;
         repeat.time = std::time(nullptr);
         // Not waited for: the photograph is on the disk for good, and this is on its server's
         // thread.
-        if (!append_line(session_ / "uploads.log", line_of(repeat), false))
+        if (!append_line(session_ / "uploads.log", SentBook::line_of(repeat), false))
             return problem(507, "the server's disk is full; the photograph is here");
-        sent_by_.emplace(repeat.user, repeat.sha256);
-        repeats_.push_back(std::move(repeat));
+        book_.add(repeat);
     }
-    return offset_answer(200, error ? 0 : bytes);
+    return offset_answer(200, repeat.bytes);
 }
 
 void UploadStore::release(const Offer& offer, const fs::path& part) {
@@ -259,49 +210,34 @@ HttpResponse UploadStore::complete(const Offer& offer, const fs::path& part) {
     if (error || !sync_folder(file.parent_path()) || !sync_folder(folder_))
         return problem(503, "the server cannot write at the moment; try again");
     const std::lock_guard lock(mutex_);
-    if (!append_line(session_ / "uploads.log", line_of(upload), true)) {
+    if (!append_line(session_ / "uploads.log", SentBook::line_of(upload), true)) {
         fs::rename(file, part, ignored);  // not acknowledged: it comes again
         return problem(507, "the server's disk is full; what was sent so far is kept");
     }
-    bytes_of_user_[upload.user] += content->bytes;
+    upload.bytes = content->bytes;
     unfinished_.end(upload.user, upload.sha256);
-    sent_by_.emplace(upload.user, upload.sha256);
-    by_sha256_[upload.sha256] = by_file_[upload.file] = uploads_.size();
-    std::erase(removed_, upload.file);
+    removed_.erase(upload.file);
     queue_.push_back({file, upload.file});
-    uploads_.push_back(std::move(upload));
+    book_.add(std::move(upload));
     HttpResponse response = offset_answer(201, content->bytes);
     response.headers.emplace_back("Location", "/api/v1/photographs/" + offer.sha256);
     return response;
 }
 
-std::vector<Upload> UploadStore::uploads() const {
-    const std::lock_guard lock(mutex_);
-    return uploads_;
-}
-
 std::vector<Upload> UploadStore::uploads_of(std::uint32_t user) const {
     const std::lock_guard lock(mutex_);
-    std::vector<Upload> sent;
-    for (const auto* uploads : {&uploads_, &repeats_}) {
-        for (const Upload& upload : *uploads) {
-            if (upload.user == user) sent.push_back(upload);
-        }
-    }
-    std::ranges::stable_sort(sent, {}, &Upload::time);
-    return sent;
+    return book_.uploads_of(user);
 }
 
 std::optional<Upload> UploadStore::find(const std::string& sha256) const {
     const std::lock_guard lock(mutex_);
-    const auto known = by_sha256_.find(sha256);
-    return known == by_sha256_.end() ? std::nullopt : std::optional(uploads_[known->second]);
+    const Upload* const upload = book_.find(sha256);
+    return upload == nullptr ? std::nullopt : std::optional(*upload);
 }
 
-std::optional<Upload> UploadStore::find_file(const std::string& file) const {
+std::optional<PhotographOrigin> UploadStore::origin_of(const std::string& file) const {
     const std::lock_guard lock(mutex_);
-    const auto known = by_file_.find(file);
-    return known == by_file_.end() ? std::nullopt : std::optional(uploads_[known->second]);
+    return origin_in(book_, file);
 }
 
 std::optional<PhotoFile> UploadStore::take() {
@@ -320,7 +256,7 @@ std::size_t UploadStore::waiting() const {
 void UploadStore::queue_missing(const std::set<std::string>& known_names) {
     const std::lock_guard lock(mutex_);
     queue_.clear();
-    for (const Upload& upload : uploads_) {
+    for (const Upload& upload : book_.uploads()) {
         if (!known_names.contains(upload.file))
             queue_.push_back({folder_ / upload.file, upload.file});
     }

@@ -16,19 +16,12 @@
 
 #include "graph/result.h"
 #include "scheduler/flow/run_session.h"
+#include "tools/report/image_facts.h"
 #include "tools/serve/http.h"
+#include "tools/serve/uploads/sent_book.h"
 #include "tools/serve/uploads/unfinished_uploads.h"
 
 namespace psfm {
-
-/// A photograph that was sent, and is on the disk for good.
-struct Upload {
-    std::string sha256;
-    std::uint32_t user = 0;
-    std::string title;  ///< what it was called where it came from; never a path
-    std::string file;   ///< relative to the folder: USER/SHA256.EXTENSION, its name in the session
-    std::int64_t time = 0;
-};
 
 struct UploadLimits {
     std::uint64_t most_bytes = std::uint64_t{64} << 20U;   ///< of a photograph
@@ -90,12 +83,11 @@ class UploadStore {
     /// earlier processes among them.
     std::vector<std::string> take_removed();
 
-    std::vector<Upload> uploads() const;  ///< each photograph once, of who sent it first
     /// All that a user has sent, also after somebody else, in order.
     std::vector<Upload> uploads_of(std::uint32_t user) const;
     std::optional<Upload> find(const std::string& sha256) const;
-    /// By the photograph's name in the session.
-    std::optional<Upload> find_file(const std::string& file) const;
+    /// By the photograph's name in the session: an OriginOf's answer.
+    std::optional<PhotographOrigin> origin_of(const std::string& file) const;
 
     /// The next photograph for the engine; nothing at present.
     std::optional<PhotoFile> take();
@@ -106,16 +98,12 @@ class UploadStore {
   private:
     friend class UploadSink;
     UploadStore(std::filesystem::path session, const UploadLimits& limits);
-    Result<void> read_log();
     // Under the lock:
     Progress begun(std::uint32_t user, const std::string& sha256) const;
     std::optional<HttpResponse> refuse_place(const Offer& offer, const Progress& here) const;
     std::optional<HttpResponse> refuse_share(const Offer& offer, std::uint64_t length) const;
     HttpResponse know_again(const Offer& offer);
     void remove_abandoned();
-    /// @return the name in the session of a photograph that nobody has sent any more
-    std::optional<std::string> take_back(std::uint32_t user, const std::string& sha256,
-                                         bool whoever_sent);
     // Of a sink, on the disk thread; `part` is where its bytes are.
     void give_up(const Offer& offer, const std::filesystem::path& part);
     HttpResponse complete(const Offer& offer, const std::filesystem::path& part);
@@ -124,15 +112,12 @@ class UploadStore {
     std::filesystem::path session_, folder_;
     UploadLimits limits_;
     mutable std::mutex mutex_;
-    std::vector<Upload> uploads_, repeats_;
-    std::set<std::pair<std::uint32_t, std::string>> sent_by_;  // user, hash
-    std::map<std::string, std::size_t> by_sha256_, by_file_;
-    std::map<std::uint32_t, std::uint64_t> bytes_of_user_;
+    SentBook book_;
     UnfinishedUploads unfinished_;  // count for the quota, too
     std::int64_t look_for_abandoned_ = 0;
     std::map<std::string, std::uint32_t> open_;  // hashes that are sent at present, and by whom
     std::deque<PhotoFile> queue_;
-    std::vector<std::string> removed_;  // by name in the session, since take_removed()
+    std::set<std::string> removed_;  // by name in the session, since take_removed()
 };
 
 /// What users send, for run_session; never ends.

@@ -46,6 +46,73 @@ TEST(SinceBook, AnImageThatLosesItsPlaceWaitsSinceThen) {
     EXPECT_EQ(book.of(1)[0].version, 3U);
 }
 
+/// Images 0, 1 and 2 in a row; two blocks of points, of 0 and 1, and of 1 and 2.
+Reconstruction row_of_three() {
+    Reconstruction model;
+    model.cameras[CameraId{0}] = make_camera(1000, 800, 900.0, FocalSource::kGiven);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        RegisteredImage image{ImageId{i}, CameraId{0}, {}};
+        image.cam_from_cluster.translation = {-0.5 * i, 0.0, 0.0};
+        model.images.push_back(image);
+    }
+    for (std::uint32_t block = 0; block < 2; ++block) {
+        ScenePoint point;
+        point.position = {0.5 * block, 0.1, 5.0};
+        point.track = {{ImageId{block}, block}, {ImageId{block + 1}, block}};
+        model.points.append(ScenePoints({point}));
+    }
+    return model;
+}
+
+SceneCluster cluster_with(Reconstruction model) {
+    SceneCluster cluster;
+    cluster.model = std::make_shared<const Reconstruction>(std::move(model));
+    return cluster;
+}
+
+TEST(InlierCache, LooksAtImagesWhosePoseCameraOrPointsAreOthers) {
+    std::set<std::uint32_t> read;
+    const auto keypoints = [&](ImageId image) -> Result<std::shared_ptr<const Keypoints>> {
+        read.insert(index_of(image));
+        return std::make_shared<const Keypoints>(2);
+    };
+    InlierCache cache;
+    const auto expect_as_new = [&](const SceneCluster& cluster, std::set<std::uint32_t> images) {
+        read.clear();
+        const auto known = cache.of(cluster, keypoints);
+        ASSERT_TRUE(known.ok());
+        EXPECT_EQ(read, images);
+        InlierCache other;
+        const auto anew = other.of(cluster, keypoints);
+        ASSERT_TRUE(anew.ok());
+        ASSERT_EQ((*known)->size(), (*anew)->size());
+        for (const auto& [image, entry] : **anew) {
+            EXPECT_EQ((*known)->at(image).inliers, entry.inliers);
+            EXPECT_EQ((*known)->at(image).error_px, entry.error_px);
+        }
+    };
+    Reconstruction model = row_of_three();
+    expect_as_new(cluster_with(model), {0, 1, 2});
+    model.images[2].cam_from_cluster.translation.x() -= 0.01;
+    expect_as_new(cluster_with(model), {2});
+    ScenePoint moved = model.points[0];
+    moved.position.y() += 0.1;
+    const ScenePoints rest = model.points.after(1);
+    model.points = ScenePoints({moved});
+    model.points.append(rest);
+    expect_as_new(cluster_with(model), {0, 1});
+    Reconstruction resting = model;
+    resting.points = {};
+    read.clear();
+    const auto known = cache.of(cluster_with(resting), keypoints);
+    ASSERT_TRUE(known.ok());
+    EXPECT_EQ((*known)->at(ImageId{1}).inliers, 2U) << "what is known of it holds";
+    EXPECT_TRUE(read.empty());
+    expect_as_new(cluster_with(model), {});  // awake again, and the same
+    model.cameras[CameraId{0}] = make_camera(1000, 800, 901.0, FocalSource::kGiven);
+    expect_as_new(cluster_with(model), {0, 1, 2});
+}
+
 TEST(ImageAdvice, EveryReasonHasACodeOfItsOwnAndAdvice) {
     std::set<std::string> codes;
     for (int reason = 0; reason <= static_cast<int>(WaitReason::kSolving); ++reason) {

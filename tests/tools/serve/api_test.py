@@ -86,6 +86,7 @@ class Api(ServeCase):
         slow = b"P6\n3000 2000\n255\n" + os.urandom(3000 * 2000 * 3)
         self.assertEqual(server.put(slow)[0], 201)
         decoder = self.wait_for(lambda: server.decoder_of(sha(slow)))
+        self.assertNotEqual(os.getpgid(decoder), os.getpgid(server.process.pid), "a Ctrl-C is not for it")
         os.kill(decoder, signal.SIGSEGV)  # as a hole in a decoder would end it
         for data in broken:
             self.assertEqual(server.put(data)[0], 201)

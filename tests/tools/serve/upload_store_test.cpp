@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {
 namespace {
@@ -94,11 +95,11 @@ TEST_F(UploadStoreTest, ALineThatBrokeOffIsPassedOver) {
     ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
     std::ofstream(folder_ / "uploads.log", std::ios::app) << "{\"sha256\":\"abc";
     reopen();
-    EXPECT_EQ(store_->uploads().size(), 1U);
+    EXPECT_EQ(store_->uploads_of(1).size(), 1U);
     const std::string other = kPhoto + "e";
     ASSERT_EQ(send(offer(other), other), 201U);
     reopen();
-    EXPECT_EQ(store_->uploads().size(), 2U);
+    EXPECT_EQ(store_->uploads_of(1).size(), 2U);
 }
 
 TEST_F(UploadStoreTest, NobodySendsTheSameAtTheSameTime) {
@@ -213,8 +214,7 @@ TEST_F(UploadStoreTest, WhoSendsItTooHasSentIt) {
         ASSERT_EQ(store_->uploads_of(2).size(), 1U);
         EXPECT_EQ(store_->uploads_of(2).front().title, "hers.jpg");
         EXPECT_EQ(store_->uploads_of(1).size(), 1U);
-        ASSERT_EQ(store_->uploads().size(), 1U);
-        EXPECT_EQ(store_->uploads().front().title, "a.jpg");
+        EXPECT_EQ(store_->origin_of(store_->uploads_of(1).front().file)->title, "a.jpg");
         reopen();
     }
     store_->queue_missing({});
@@ -235,6 +235,51 @@ TEST_F(UploadStoreTest, FullIsSaid) {
     limits_.queue = 0;
     reopen();
     EXPECT_EQ(send(offer(kPhoto + "x"), kPhoto + "x"), 429U);
+}
+
+TEST_F(UploadStoreTest, WhatWasTakenBackIsGoneAndMayComeAgain) {
+    const auto hash = offer(kPhoto).sha256;
+    ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
+    const std::string file = store_->uploads_of(1).front().file;
+    EXPECT_EQ(store_->remove(2, hash, false).status, 404U);
+    EXPECT_EQ(store_->remove(1, hash, false).status, 204U);
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_TRUE(store_->uploads_of(1).empty());
+        EXPECT_FALSE(std::filesystem::exists(store_->folder() / file));
+        EXPECT_EQ(store_->take_removed(), std::vector<std::string>{file});
+        EXPECT_FALSE(store_->has_removed());
+        reopen();  // a session may have it still
+    }
+    UploadStore::Offer again = offer(kPhoto);
+    again.title = "again.jpg";
+    ASSERT_EQ(send(again, kPhoto), 201U);
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_FALSE(store_->has_removed()) << "nothing of it is to be taken out";
+        EXPECT_EQ(store_->origin_of(file)->title, "again.jpg");
+        EXPECT_TRUE(std::filesystem::exists(store_->folder() / file));
+        reopen();
+    }
+    EXPECT_EQ(SentPhotographs(folder_)(file)->title, "again.jpg") << "for who only reads the log";
+}
+
+TEST_F(UploadStoreTest, APhotographIsOfTheNextWhoSentIt) {
+    const auto hash = offer(kPhoto).sha256;
+    ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
+    UploadStore::Offer too = offer(kPhoto, 0, 2);
+    too.title = "hers.jpg";
+    EXPECT_EQ(send(too, kPhoto), 200U);
+    const std::string file = store_->uploads_of(1).front().file;
+    EXPECT_EQ(store_->remove(1, hash, false).status, 204U);
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_EQ(store_->origin_of(file)->user, 2U);
+        EXPECT_EQ(store_->origin_of(file)->title, "hers.jpg");
+        EXPECT_TRUE(store_->uploads_of(1).empty());
+        EXPECT_FALSE(store_->has_removed());
+        reopen();
+    }
+    EXPECT_EQ(store_->remove(7, hash, true).status, 204U) << "the owner";
+    EXPECT_FALSE(store_->origin_of(file));
+    EXPECT_FALSE(std::filesystem::exists(store_->folder() / file));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
@@ -45,28 +46,55 @@ class Descriptor {
     int number_;
 };
 
-union Control {
-    std::array<char, CMSG_SPACE(sizeof(int))> bytes;
-    cmsghdr align;
+/// A message with room for one descriptor.
+class Packet {
+  public:
+    explicit Packet(std::string& bytes) : part_{bytes.data(), bytes.size()} {
+        message_.msg_iov = &part_;
+        message_.msg_iovlen = 1;
+        message_.msg_control = control_.data();
+        message_.msg_controllen = control_.size();
+    }
+    Packet(const Packet&) = delete;
+    Packet& operator=(const Packet&) = delete;
+
+    msghdr* message() { return &message_; }
+    void attach(int descriptor) {
+        cmsghdr* header = CMSG_FIRSTHDR(&message_);
+        header->cmsg_level = SOL_SOCKET;
+        header->cmsg_type = SCM_RIGHTS;
+        header->cmsg_len = CMSG_LEN(sizeof(int));
+        std::memcpy(CMSG_DATA(header), &descriptor, sizeof(descriptor));
+    }
+    /// -1: none came
+    int attached() const {
+        int descriptor = -1;
+        const cmsghdr* header = CMSG_FIRSTHDR(&message_);
+        if (header != nullptr && header->cmsg_type == SCM_RIGHTS)
+            std::memcpy(&descriptor, CMSG_DATA(header), sizeof(descriptor));
+        return descriptor;
+    }
+
+  private:
+    iovec part_;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control_{};
+    msghdr message_{};
 };
 
-bool send_request(int socket, std::string request, int pipe) {
-    iovec part{request.data(), request.size()};
-    Control control{};
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control.bytes.data();
-    message.msg_controllen = control.bytes.size();
-    cmsghdr* header = CMSG_FIRSTHDR(&message);
-    header->cmsg_level = SOL_SOCKET;
-    header->cmsg_type = SCM_RIGHTS;
-    header->cmsg_len = CMSG_LEN(sizeof(int));
-    std::memcpy(CMSG_DATA(header), &pipe, sizeof(pipe));
-    ssize_t sent = -1;
+template <typename Call>
+ssize_t until_uninterrupted(const Call& call) {
+    ssize_t count = -1;
     do {
-        sent = ::sendmsg(socket, &message, MSG_NOSIGNAL);
-    } while (sent < 0 && errno == EINTR);
+        count = call();
+    } while (count < 0 && errno == EINTR);
+    return count;
+}
+
+bool send_request(int socket, std::string request, int pipe) {
+    Packet packet(request);
+    packet.attach(pipe);
+    const ssize_t sent =
+        until_uninterrupted([&] { return ::sendmsg(socket, packet.message(), MSG_NOSIGNAL); });
     return sent == static_cast<ssize_t>(request.size());
 }
 
@@ -78,22 +106,12 @@ struct Request {
 Request receive_request(int socket) {
     constexpr std::size_t kMost = 64 * 1024;  // Format: of a request, of a path and a few words
     std::string bytes(kMost, '\0');
-    iovec part{bytes.data(), bytes.size()};
-    Control control{};
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control.bytes.data();
-    message.msg_controllen = control.bytes.size();
-    ssize_t count = -1;
-    do {
-        count = ::recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
-    } while (count < 0 && errno == EINTR);
+    Packet packet(bytes);
+    const ssize_t count =
+        until_uninterrupted([&] { return ::recvmsg(socket, packet.message(), MSG_CMSG_CLOEXEC); });
     Request request;
     if (count <= 0) return request;
-    const cmsghdr* header = CMSG_FIRSTHDR(&message);
-    if (header != nullptr && header->cmsg_type == SCM_RIGHTS)
-        std::memcpy(&request.pipe, CMSG_DATA(header), sizeof(request.pipe));
+    request.pipe = packet.attached();
     for (std::size_t at = 0; at < static_cast<std::size_t>(count);) {
         request.words.emplace_back(bytes.c_str() + at);
         at += request.words.back().size() + 1;
@@ -125,11 +143,17 @@ class Forker {
             posix_spawn_file_actions_addopen(&actions, output, "/dev/null", O_WRONLY, 0);
         // Boost 1.74 lets children inherit connections, and the port.
         posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+        // A Ctrl-C is for the server: it would reject what is being decoded.
+        posix_spawnattr_t attributes;
+        posix_spawnattr_init(&attributes);
+        posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+        posix_spawnattr_setpgroup(&attributes, 0);
         std::string program = "psfm", command = "decode-photograph";
         const std::array<char*, 3> arguments{program.data(), command.data(), nullptr};
-        const int spawned = ::posix_spawn(&process_, "/proc/self/exe", &actions, nullptr,
+        const int spawned = ::posix_spawn(&process_, "/proc/self/exe", &actions, &attributes,
                                           arguments.data(), environ);
         posix_spawn_file_actions_destroy(&actions);
+        posix_spawnattr_destroy(&attributes);
         if (spawned != 0) {
             process_ = 0;
             socket_.reset();
