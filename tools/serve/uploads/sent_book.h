@@ -31,8 +31,9 @@ class SentBook {
   public:
     /// Empty where there is no log; lines that a crash broke off are passed over.
     /// @param bytes_of  a file's length; empty: nobody will ask
-    static SentBook read(const std::filesystem::path& log,
-                         const std::function<std::uint64_t(const std::string& file)>& bytes_of = {});
+    static SentBook read(
+        const std::filesystem::path& log,
+        const std::function<std::uint64_t(const std::string& file)>& bytes_of = {});
 
     static std::string line_of(const Upload& upload);
     static std::string line_of_removal(std::uint32_t user, const std::string& sha256,
