@@ -49,8 +49,9 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, OriginO
     // Expected: what cannot be read yet is looked at with the next version
     if (auto scene = reader.scene(); scene.ok())
         if (auto facts = tell(std::make_shared<const Scene>(*std::move(scene))))
-            show(*std::move(facts), true);
-    thread_ = std::thread([this] { run(); });
+            show({*std::move(facts), true});
+    states_thread_ = std::thread([this] { tell_states(); });
+    models_thread_ = std::thread([this] { show_models(); });
 }
 
 LiveSession::~LiveSession() {
@@ -58,8 +59,10 @@ LiveSession::~LiveSession() {
         const std::lock_guard lock(inbox_mutex_);
         over_ = true;
     }
-    wake_.notify_all();
-    thread_.join();
+    wake_states_.notify_all();
+    wake_models_.notify_all();
+    states_thread_.join();
+    models_thread_.join();
 }
 
 void LiveSession::on_publish(const PublishMessage& publish) {
@@ -79,7 +82,7 @@ void LiveSession::on_publish(const PublishMessage& publish) {
         const std::lock_guard lock(inbox_mutex_);
         looks_again_ = true;
     }
-    wake_.notify_all();
+    wake_states_.notify_all();
 }
 
 void LiveSession::on_version(ScenePtr scene) {
@@ -87,55 +90,67 @@ void LiveSession::on_version(ScenePtr scene) {
         const std::lock_guard lock(inbox_mutex_);
         next_ = std::move(scene);
     }
-    wake_.notify_all();
+    wake_states_.notify_all();
 }
 
 void LiveSession::on_removal() {
     {
         const std::lock_guard lock(inbox_mutex_);
-        reads_anew_ = looks_again_ = true;
+        states_anew_ = models_anew_ = looks_again_ = true;
     }
-    wake_.notify_all();
+    wake_states_.notify_all();
 }
 
-void LiveSession::run() {
+void LiveSession::tell_states() {
     // Guard: while versions come every second or so, only what is seen is told; then the rest of
     // it.
     constexpr double kSettledAfter = 3.0;
-    const auto between_changes = std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(options_.seconds_between_changes));
-    Clock::time_point last = Clock::now();  // that something was told
-    Clock::time_point next_change = last;
-    std::optional<SessionFacts> told;  // states, of a model that is still to be shown
+    constexpr std::chrono::milliseconds kOften(500);  // Guard: of a thread that does nothing
+    Clock::time_point last = Clock::now();            // that something was told
     bool exact = true;
+    ScenePtr newest = scene_version();
     std::unique_lock lock(inbox_mutex_);
     while (!over_) {
-        constexpr std::chrono::milliseconds kOften(500);  // Guard: of a thread that does nothing
-        wake_.wait_until(lock, told ? next_change : Clock::now() + kOften,
-                         [&] { return over_ || next_ || looks_again_; });
+        wake_states_.wait_for(lock, kOften, [&] { return over_ || next_ || looks_again_; });
         if (over_) break;
         const bool is_news = next_ || looks_again_;
-        const bool settles = !is_news && !told && !exact && seconds_since(last) >= kSettledAfter;
+        const bool settles = !is_news && !exact && seconds_since(last) >= kSettledAfter;
         ScenePtr scene = std::exchange(next_, nullptr);
         looks_again_ = false;
-        if (std::exchange(reads_anew_, false)) {
-            memory_ = {};
+        if (std::exchange(states_anew_, false)) memory_ = {};
+        if (!is_news && !settles) continue;
+        lock.unlock();
+        if (!scene) scene = newest;
+        std::optional<SessionFacts> told;
+        if (scene) told = tell(scene);
+        if (told) newest = std::make_shared<const Scene>(told->scene);
+        last = Clock::now();
+        exact = settles;
+        lock.lock();
+        if (!told) continue;
+        to_show_ = {*std::move(told), settles};
+        wake_models_.notify_all();
+    }
+}
+
+void LiveSession::show_models() {
+    const auto between_changes = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(options_.seconds_between_changes));
+    Clock::time_point next_change = Clock::now();
+    std::unique_lock lock(inbox_mutex_);
+    while (!over_) {
+        wake_models_.wait(lock, [&] { return over_ || to_show_; });
+        wake_models_.wait_until(lock, next_change, [&] { return over_; });
+        if (over_) break;
+        ToShow model = *std::exchange(to_show_, std::nullopt);
+        if (std::exchange(models_anew_, false)) {
             edges_ = EdgeBook(options_of(*reader_));
             colours_ = FeatureColours(*reader_);
             hint_book_ = HintBook();
         }
         lock.unlock();
-        if (is_news || settles) {
-            if (!scene) scene = scene_version();
-            // States first: they are what people wait for.
-            if (scene) told = tell(scene);
-            last = Clock::now();
-        }
-        if (told && (settles || Clock::now() >= next_change)) {
-            show(*std::exchange(told, std::nullopt), settles);
-            exact = settles;
-            next_change = Clock::now() + between_changes;
-        }
+        show(std::move(model));
+        next_change = Clock::now() + between_changes;
         lock.lock();
     }
 }
@@ -148,11 +163,13 @@ std::optional<SessionFacts> LiveSession::tell(const ScenePtr& scene) {
     return *std::move(facts);
 }
 
-void LiveSession::show(SessionFacts facts, bool settled) {
+void LiveSession::show(ToShow model) {
+    SessionFacts& facts = model.facts;
+    const bool settled = model.settled;
     const auto scene = std::make_shared<const Scene>(facts.scene);
     const auto whole = [&](const SceneCluster& cluster) -> std::shared_ptr<const Reconstruction> {
-        auto model = reader_->recycled_model({cluster.id, cluster.revision});
-        return model.ok() ? *model : nullptr;  // Expected: without its points then
+        auto read = reader_->recycled_model({cluster.id, cluster.revision});
+        return read.ok() ? *read : nullptr;  // Expected: without its points then
     };
     std::string change;
     std::uint32_t number = 0;

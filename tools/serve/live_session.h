@@ -32,8 +32,9 @@ struct LiveOptions {
 };
 
 /// What watchers are told of a session: changes of the model, states of photographs, events. The
-/// engine hands over what it has published and goes on; a thread of this object's own makes of it
-/// what is told. Thread-safe.
+/// engine hands over what it has published and goes on; two threads of this object's own make of it
+/// what is told: one the states, which people wait for, the other one the model, which takes
+/// longer. Thread-safe.
 class LiveSession final : public SessionObserver {
   public:
     /// @param reader   of the session: the engine's own store, or a reader beside another process
@@ -69,11 +70,17 @@ class LiveSession final : public SessionObserver {
     std::vector<ImageFact> facts() const;
 
   private:
-    void run();
+    /// A model whose states have been told.
+    struct ToShow {
+        SessionFacts facts;
+        bool settled = false;  ///< to the last digit that is sent
+    };
+    void tell_states();
+    void show_models();
     /// States of photographs. Nothing: they cannot be read yet.
     std::optional<SessionFacts> tell(const ScenePtr& scene);
-    /// The model that they are of. @param settled  to the last digit that is sent
-    void show(SessionFacts facts, bool settled);
+    /// The model that they are of.
+    void show(ToShow model);
     void tell_images(const std::vector<ImageFact>& facts);
 
     const SessionReader* reader_;
@@ -83,19 +90,22 @@ class LiveSession final : public SessionObserver {
     const std::string name_;
     const LiveOptions options_;
 
-    mutable std::mutex inbox_mutex_;
-    std::condition_variable wake_;
+    mutable std::mutex inbox_mutex_;  // of what follows, between the engine and both threads
+    std::condition_variable wake_states_, wake_models_;
     ScenePtr next_;
-    bool reads_anew_ = false;
+    std::optional<ToShow> to_show_;  ///< the newest one: what it replaces nobody has to see
+    bool states_anew_ = false;       ///< what is remembered of the session is to be read again
+    bool models_anew_ = false;
     bool looks_again_ = false;  ///< something has become of a photograph without a version
     bool over_ = false;
 
-    // Of the thread:
+    // Of the thread of states:
     FactsMemory memory_;
+    std::map<std::string, std::string> told_;  // by name: state and so on
+    // Of the thread of models:
     EdgeBook edges_;
     FeatureColours colours_;
     HintBook hint_book_;
-    std::map<std::string, std::string> told_;  // by name: state and so on
     std::chrono::steady_clock::time_point next_hints_;
 
     mutable std::mutex shown_mutex_;  // of what follows: held as long as a change is made
@@ -116,7 +126,7 @@ class LiveSession final : public SessionObserver {
     std::size_t change_bytes_ = 0;
     std::uint32_t number_;                               // of the last change that was told
     mutable std::map<std::uint32_t, Bytes> since_last_;  // several changes, by the number before
-    std::thread thread_;
+    std::thread states_thread_, models_thread_;
 };
 
 }  // namespace psfm

@@ -4,6 +4,7 @@
 """Users who send photographs in pieces while many watch, and a server that is killed in the middle of it: every
 acknowledged photograph is in the session exactly once, and every watcher has what a snapshot has.
 usage: cluster_test.py BUILD [--photos FOLDER] [--users N] [--each N] [--watchers N] [--kills N] [--piece BYTES]
+                       [--keep FOLDER]
 By hand: cluster_test.py build/release --photos QUAD_STREAMS/images --each 75 --watchers 50"""
 import argparse
 import json
@@ -29,6 +30,7 @@ def arguments():
     parser.add_argument("--watchers", type=int, default=16)
     parser.add_argument("--kills", type=int, default=3)
     parser.add_argument("--piece", type=int, default=20000, help="bytes of a request")
+    parser.add_argument("--keep", type=Path, help="new folder: session, log and what the servers said stay there")
     return parser.parse_args()
 
 
@@ -64,7 +66,8 @@ class Cluster:
         return done.stdout
 
     def start(self):
-        self.server = Server(self.asked.build, self.session, "--log", str(self.log), listen=f"127.0.0.1:{self.port}")
+        self.server = Server(self.asked.build, self.session, "--log", str(self.log), listen=f"127.0.0.1:{self.port}",
+                             said=(self.folder / "said.txt").open("a+"))
 
     def end(self, how):
         before = os.times()
@@ -212,8 +215,12 @@ class Cluster:
 
 def main():
     asked = arguments()
+    if asked.keep:
+        asked.keep.mkdir(parents=True)
+        return Cluster(asked, asked.keep).run()
     with tempfile.TemporaryDirectory() as folder:
         Cluster(asked, Path(folder)).run()
+    return None
 
 
 if __name__ == "__main__":

@@ -18,11 +18,13 @@ API = "/api/v1"
 class Server:
     """psfm serve on a port of its own."""
 
-    def __init__(self, build, session, *options, command="serve", keep_free=1, listen="127.0.0.1:0"):
-        """@param keep_free  of the disk [MiB]"""
+    def __init__(self, build, session, *options, command="serve", keep_free=1, listen="127.0.0.1:0",
+                 said=None):
+        """@param keep_free  of the disk [MiB]
+        @param said  the file for what the server says on stderr; None: one of its own"""
         if command == "serve":
             options += ("--keep-free", str(keep_free))
-        self.said = tempfile.TemporaryFile("w+")  # a pipe that nobody reads would hold the server up
+        self.said = said or tempfile.TemporaryFile("w+")  # a pipe that nobody reads would hold the server up
         self.process = subprocess.Popen([build / "psfm", command, "--session", session, "--listen", listen, *options],
                                         stdout=subprocess.PIPE, stderr=self.said, text=True)
         line = self.process.stdout.readline()
