@@ -3,11 +3,9 @@
 #include "tools/report/image_facts.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "tools/report/featureless.h"
 #include "tools/report/image_advice.h"
-#include "tools/report/residuals.h"
 
 namespace psfm {
 namespace {
@@ -22,16 +20,13 @@ ImageFact waiting_fact(const Image& image, WaitReason reason) {
     return fact;
 }
 
-Result<void> add_placed(const SessionReader& session, InlierCache& cache, SessionFacts& facts) {
+void add_placed(SessionFacts& facts) {
     for (const auto& cluster : facts.scene.clusters) {
         for (const ImageId member : cluster->members) {
             if (index_of(member) < facts.facts.size())
                 facts.facts[index_of(member)].cluster = cluster->id;
         }
         if (!cluster->model) continue;
-        const auto inliers =
-            cache.of(*cluster, [&](ImageId image) { return session.keypoints(image); });
-        if (!inliers.ok()) return inliers.error();
         for (const RegisteredImage& image : cluster->model->images) {
             if (index_of(image.image) >= facts.facts.size()) continue;
             ImageFact& fact = facts.facts[index_of(image.image)];
@@ -41,34 +36,32 @@ Result<void> add_placed(const SessionReader& session, InlierCache& cache, Sessio
             fact.advice.clear();
             fact.cluster = cluster->id;
             fact.part = cluster->effective_cluster;
-            const auto found = (*inliers)->find(image.image);
-            if (found == (*inliers)->end()) continue;
-            fact.inliers = found->second.inliers;
-            fact.error_px = found->second.error_px;
         }
+    }
+}
+
+using Measure = Result<InlierCache::Entries> (InlierCache::*)(const SceneCluster&,
+                                                              const KeypointsProvider&);
+
+/// Of placed images.
+Result<void> add_errors(const SessionReader& session, InlierCache& cache, Measure measure,
+                        SessionFacts& facts) {
+    InlierCache::Entries entries;
+    for (const auto& cluster : facts.scene.clusters) {
+        if (!cluster->model) continue;
+        auto own =
+            (cache.*measure)(*cluster, [&](ImageId image) { return session.keypoints(image); });
+        if (!own.ok()) return own.error();
+        entries.merge(*own);
+    }
+    for (ImageFact& fact : facts.facts) {
+        if (fact.state != ImageState::kPlaced) continue;
+        const auto found = entries.find(*fact.id);
+        if (found == entries.end()) continue;
+        fact.inliers = found->second.inliers;
+        fact.error_px = found->second.error_px;
     }
     return {};
-}
-
-/// @param use  called for each observation, with a number that says where its point lies
-template <typename Use>
-void each_observation(const PointBlock& block, const Use& use) {
-    // Mathematics: odd factors without a pattern, of Fibonacci hashing and of MurmurHash3's end
-    constexpr std::uint64_t kFirst = 0x9e3779b97f4a7c15, kSecond = 0xff51afd7ed558ccd;
-    for (const ScenePoint& point : block.points()) {
-        std::uint64_t place = 0;
-        for (const double part : point.position)
-            place = (place ^ std::bit_cast<std::uint64_t>(part)) * kFirst;
-        for (const Observation& seen : point.track) {
-            std::uint64_t mixed = (place ^ seen.feature) * kSecond;
-            mixed ^= mixed >> 33U;
-            use(seen.image, mixed * kFirst);
-        }
-    }
-}
-
-bool is_same(const Rigid3& a, const Rigid3& b) {
-    return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
 }
 
 }  // namespace
@@ -83,63 +76,6 @@ const char* state_name(ImageState state) {
             return "rejected";
     }
     return "unknown";
-}
-
-Result<void> InlierCache::follow(const Reconstruction& model, const KeypointsProvider& keypoints,
-                                 Known& known) {
-    const BlockDifference differing =
-        difference_between(known.model ? known.model->points : ScenePoints(), model.points);
-    std::vector<std::uint64_t> points;  // by image id
-    const auto points_of = [&](ImageId image) -> std::uint64_t& {
-        if (index_of(image) >= points.size()) points.resize(index_of(image) + 1, 0);
-        return points[index_of(image)];
-    };
-    if (known.model)
-        for (const auto& [image, grounds] : known.grounds) points_of(image) = grounds.points;
-    for (const PointBlockPtr& block : differing.gone)
-        each_observation(*block, [&](ImageId image, auto number) { points_of(image) -= number; });
-    for (const PointBlockPtr& block : differing.come)
-        each_observation(*block, [&](ImageId image, auto number) { points_of(image) += number; });
-
-    std::map<ImageId, Grounds> grounds;
-    std::vector<std::uint8_t> wanted(model.images.size(), 0);
-    for (std::size_t i = 0; i < model.images.size(); ++i) {
-        const RegisteredImage& image = model.images[i];
-        const Grounds now{points_of(image.image), image.cam_from_cluster,
-                          model.cameras.at(image.camera)};
-        const auto before = known.grounds.find(image.image);
-        wanted[i] = before == known.grounds.end() || before->second.points != now.points ||
-                    before->second.camera != now.camera ||
-                    !is_same(before->second.cam_from_cluster, now.cam_from_cluster);
-        grounds.emplace(image.image, now);
-    }
-    const auto residuals = residuals_of(model, keypoints, wanted);
-    if (!residuals.ok()) return residuals.error();
-    std::map<ImageId, Entry> entries;
-    for (std::size_t i = 0; i < model.images.size(); ++i) {
-        const ImageId image = model.images[i].image;
-        const std::vector<Residual>& own = (*residuals)[i];
-        entries[image] = wanted[i] != 0
-                             ? Entry{static_cast<std::uint32_t>(own.size()), mean_length_px(own)}
-                             : known.entries.at(image);
-    }
-    known.entries = std::move(entries);
-    known.grounds = std::move(grounds);
-    return {};
-}
-
-Result<const std::map<ImageId, InlierCache::Entry>*> InlierCache::of(
-    const SceneCluster& cluster, const KeypointsProvider& keypoints) {
-    Known& known = known_[cluster.id];
-    if (cluster.model->points.empty() && !known.entries.empty()) {
-        // Points of a cluster that rests are in the store only; what is known of it holds.
-        known.model = nullptr;
-    } else if (known.model != cluster.model) {
-        const auto followed = follow(*cluster.model, keypoints, known);
-        if (!followed.ok()) return followed.error();
-        known.model = cluster.model;
-    }
-    return static_cast<const std::map<ImageId, Entry>*>(&known.entries);
 }
 
 void SinceBook::add(const PastVersion& version) {
@@ -196,7 +132,7 @@ Result<void> follow_versions(const SessionReader& session, const Scene& scene,
 }  // namespace
 
 Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemory& memory,
-                                        const ScenePtr& scene) {
+                                        const ScenePtr& scene, Measured measured) {
     SessionFacts facts;
     // Models before images: a version that comes meanwhile knows of no image that is not there.
     if (scene) {
@@ -233,8 +169,10 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
         facts.facts.push_back(
             waiting_fact(image, reason == reasons.end() ? WaitReason::kSolving : reason->second));
     }
-    if (const auto placed = add_placed(session, memory.inliers, facts); !placed.ok())
-        return placed.error();
+    add_placed(facts);
+    const Measure measure = measured == Measured::kAll ? &InlierCache::of : &InlierCache::at_once;
+    if (const auto added = add_errors(session, *memory.inliers, measure, facts); !added.ok())
+        return added.error();
     const std::vector<Since> since = memory.since.of(facts.images.size());
     for (std::size_t i = 0; i < since.size(); ++i) facts.facts[i].since = since[i];
     // Photographs that were taken out are told of among the rejected ones.
@@ -258,6 +196,10 @@ Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemor
     counts.rejected = static_cast<std::uint32_t>(facts.rejected.size());
     counts.waiting = counts.images - std::min(counts.images, counts.placed);
     return facts;
+}
+
+Result<void> measure_placed(const SessionReader& session, InlierCache& cache, SessionFacts& facts) {
+    return add_errors(session, cache, &InlierCache::of, facts);
 }
 
 void add_origins(const OriginOf& origin_of, SessionFacts& facts) {

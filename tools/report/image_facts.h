@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "scheduler/session/encode_state.h"
 #include "storage/exchange/models/export_models.h"
 #include "storage/session/session_store.h"
+#include "tools/report/inlier_cache.h"
 
 namespace psfm {
 
@@ -65,36 +67,6 @@ struct SessionFacts {
     std::vector<ImageFact> facts;  ///< accepted ones by id, then the rejected ones by name
 };
 
-/// Inliers and errors of models that have been looked at, so that who asks again and again pays for
-/// what has changed: images whose pose, camera or points are others. Grows with the images of the
-/// session, and keeps the models of clusters that do not rest.
-class InlierCache {
-  public:
-    struct Entry {
-        std::uint32_t inliers = 0;
-        double error_px = 0.0;
-    };
-    /// By image of the cluster's model. @errors those of residuals_of
-    Result<const std::map<ImageId, Entry>*> of(const SceneCluster& cluster,
-                                               const KeypointsProvider& keypoints);
-
-  private:
-    /// What an image's errors follow from.
-    struct Grounds {
-        std::uint64_t points = 0;  ///< a sum over its observations, of where they are
-        Rigid3 cam_from_cluster;
-        Camera camera;
-    };
-    struct Known {
-        std::shared_ptr<const Reconstruction> model;
-        std::map<ImageId, Grounds> grounds;
-        std::map<ImageId, Entry> entries;
-    };
-    static Result<void> follow(const Reconstruction& model, const KeypointsProvider& keypoints,
-                               Known& known);
-    std::map<ClusterId, Known> known_;
-};
-
 /// When each image came to be as it is, version after version.
 class SinceBook {
   public:
@@ -110,7 +82,7 @@ class SinceBook {
 
 /// What who asks again and again keeps between two times.
 struct FactsMemory {
-    InlierCache inliers;
+    std::shared_ptr<InlierCache> inliers = std::make_shared<InlierCache>();
     SinceBook since;
     std::vector<PastVersion> versions;
 };
@@ -121,10 +93,21 @@ void add_origins(const OriginOf& origin_of, SessionFacts& facts);
 /// What photographs are called, by image id.
 std::vector<std::string> shown_names(const SessionFacts& facts);
 
+/// Which placed images have their inliers and errors measured.
+enum class Measured : std::uint8_t {
+    kAll,
+    kNew,  ///< InlierCache::at_once; measure_placed() does the rest
+};
+
 /// @param scene  the version to tell of, from the process that works on the session: the points of
 ///               clusters that rest may be missing; null: the latest one of the store
 /// @errors those of the store; kDamaged
 Result<SessionFacts> read_session_facts(const SessionReader& session, FactsMemory& memory,
-                                        const ScenePtr& scene = nullptr);
+                                        const ScenePtr& scene = nullptr,
+                                        Measured measured = Measured::kAll);
+
+/// Inliers and errors of all placed images, measured by a cache of FactsMemory.
+/// @errors those of the store; kDamaged
+Result<void> measure_placed(const SessionReader& session, InlierCache& cache, SessionFacts& facts);
 
 }  // namespace psfm

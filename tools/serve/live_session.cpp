@@ -34,6 +34,14 @@ std::string gist_of(const ImageFact& fact) {
 
 }  // namespace
 
+void Sparingly::run(const std::function<void()>& work) {
+    const Clock::time_point start = Clock::now();
+    work();
+    const double pause = std::max(seconds_, seconds_since(start) / share_);
+    next_ = Clock::now() +
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));
+}
+
 LiveSession::LiveSession(const SessionReader& reader, EventRing& events, OriginOf origin_of,
                          const Users* users, std::string name, const LiveOptions& options)
     : reader_(&reader),
@@ -44,12 +52,16 @@ LiveSession::LiveSession(const SessionReader& reader, EventRing& events, OriginO
       options_(options),
       edges_(options_of(reader)),
       colours_(reader),
+      hint_pace_(options.seconds_between_hints, options.share_of_hints),
+      error_pace_(options.seconds_between_errors, options.share_of_errors),
       shown_(ShowOptions{.number = std::random_device()() >> 2U}),
       number_(shown_.number()) {
     // Expected: what cannot be read yet is looked at with the next version
     if (auto scene = reader.scene(); scene.ok())
-        if (auto facts = tell(std::make_shared<const Scene>(*std::move(scene))))
-            show({*std::move(facts), true});
+        if (auto told = tell(std::make_shared<const Scene>(*std::move(scene)))) {
+            told->settled = true;
+            show(*std::move(told));
+        }
     states_thread_ = std::thread([this] { tell_states(); });
     models_thread_ = std::thread([this] { show_models(); });
 }
@@ -121,14 +133,15 @@ void LiveSession::tell_states() {
         if (!is_news && !settles) continue;
         lock.unlock();
         if (!scene) scene = newest;
-        std::optional<SessionFacts> told;
+        std::optional<ToShow> told;
         if (scene) told = tell(scene);
-        if (told) newest = std::make_shared<const Scene>(told->scene);
+        if (told) newest = std::make_shared<const Scene>(told->facts.scene);
         last = Clock::now();
         exact = settles;
         lock.lock();
         if (!told) continue;
-        to_show_ = {*std::move(told), settles};
+        to_show_ = *std::move(told);
+        to_show_->settled = settles;
         wake_models_.notify_all();
     }
 }
@@ -155,12 +168,12 @@ void LiveSession::show_models() {
     }
 }
 
-std::optional<SessionFacts> LiveSession::tell(const ScenePtr& scene) {
-    auto facts = read_session_facts(*reader_, memory_, scene);
+std::optional<LiveSession::ToShow> LiveSession::tell(const ScenePtr& scene) {
+    auto facts = read_session_facts(*reader_, memory_, scene, Measured::kNew);
     if (!facts.ok()) return std::nullopt;  // Expected: the next version may be had
     add_origins(origin_of_, *facts);
-    tell_images(facts->facts);
-    return *std::move(facts);
+    tell_images(facts->facts, ++tellings_);
+    return ToShow{*std::move(facts), tellings_, memory_.inliers};
 }
 
 void LiveSession::show(ToShow model) {
@@ -180,6 +193,13 @@ void LiveSession::show(ToShow model) {
         change = shown_.update(*scene, source, settled);
         number = shown_.number();
     }
+    if (settled || error_pace_.is_due()) {
+        error_pace_.run([&] {
+            // Expected: what cannot be read is measured with the next version
+            if (measure_placed(*reader_, *model.inliers, facts).ok())
+                tell_images(facts.facts, model.number);
+        });
+    }
     const auto edges = edges_.read(*reader_, *scene);
     PageSession page;
     page.name = name_;
@@ -192,13 +212,9 @@ void LiveSession::show(ToShow model) {
     if (users_ != nullptr) page.users = users_->names();
     page.hints = hints_;
     // Expected: as above
-    if (edges.ok() && (settled || Clock::now() >= next_hints_)) {
-        const Clock::time_point start = Clock::now();
-        page.hints = hint_book_.hints(*scene, *edges, shown_names(facts), whole);
-        const double pause = std::max(options_.seconds_between_hints,
-                                      seconds_since(start) / options_.share_of_hints);
-        next_hints_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                         std::chrono::duration<double>(pause));
+    if (edges.ok() && (settled || hint_pace_.is_due())) {
+        hint_pace_.run(
+            [&] { page.hints = hint_book_.hints(*scene, *edges, shown_names(facts), whole); });
     }
     std::string session = session_json(page);
     session.pop_back();
@@ -248,7 +264,10 @@ void LiveSession::show(ToShow model) {
     events_->publish("hint", text_of(hints));
 }
 
-void LiveSession::tell_images(const std::vector<ImageFact>& facts) {
+void LiveSession::tell_images(const std::vector<ImageFact>& facts, std::uint64_t number) {
+    const std::lock_guard lock(told_mutex_);
+    if (number < last_telling_) return;
+    last_telling_ = number;
     for (const ImageFact& fact : facts) {
         std::string gist = gist_of(fact);
         std::string& told = told_[fact.name];

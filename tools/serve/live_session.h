@@ -4,7 +4,9 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -28,7 +30,23 @@ struct LiveOptions {
     /// a look at all points. Ours.
     double seconds_between_hints = 5.0;
     double share_of_hints = 0.02;
+    /// The same of errors of images that were placed before: they cost a look at what they see.
+    double seconds_between_errors = 2.0;
+    double share_of_errors = 0.05;
     std::size_t most_change_bytes = std::size_t{16} << 20U;  ///< of changes that are kept
+};
+
+/// What is done now and then, at most for a share of the time.
+class Sparingly {
+  public:
+    Sparingly(double seconds, double share) : seconds_(seconds), share_(share) {}
+    bool is_due() const { return Clock::now() >= next_; }
+    void run(const std::function<void()>& work);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    double seconds_, share_;
+    Clock::time_point next_;
 };
 
 /// What watchers are told of a session: changes of the model, states of photographs, events. The
@@ -73,15 +91,18 @@ class LiveSession final : public SessionObserver {
     /// A model whose states have been told.
     struct ToShow {
         SessionFacts facts;
+        std::uint64_t number = 0;  ///< of the telling
+        std::shared_ptr<InlierCache> inliers;
         bool settled = false;  ///< to the last digit that is sent
     };
     void tell_states();
     void show_models();
     /// States of photographs. Nothing: they cannot be read yet.
-    std::optional<SessionFacts> tell(const ScenePtr& scene);
+    std::optional<ToShow> tell(const ScenePtr& scene);
     /// The model that they are of.
     void show(ToShow model);
-    void tell_images(const std::vector<ImageFact>& facts);
+    /// @param number  of the telling; nothing is told when a later one has begun
+    void tell_images(const std::vector<ImageFact>& facts, std::uint64_t number);
 
     const SessionReader* reader_;
     EventRing* events_;
@@ -101,12 +122,16 @@ class LiveSession final : public SessionObserver {
 
     // Of the thread of states:
     FactsMemory memory_;
-    std::map<std::string, std::string> told_;  // by name: state and so on
+    std::uint64_t tellings_ = 0;
     // Of the thread of models:
     EdgeBook edges_;
     FeatureColours colours_;
     HintBook hint_book_;
-    std::chrono::steady_clock::time_point next_hints_;
+    Sparingly hint_pace_, error_pace_;
+
+    std::mutex told_mutex_;  // of what follows
+    std::uint64_t last_telling_ = 0;
+    std::map<std::string, std::string> told_;  // by name: state and so on
 
     mutable std::mutex shown_mutex_;  // of what follows: held as long as a change is made
     ShownScene shown_;

@@ -85,10 +85,10 @@ TEST(InlierCache, LooksAtImagesWhosePoseCameraOrPointsAreOthers) {
         InlierCache other;
         const auto anew = other.of(cluster, keypoints);
         ASSERT_TRUE(anew.ok());
-        ASSERT_EQ((*known)->size(), (*anew)->size());
-        for (const auto& [image, entry] : **anew) {
-            EXPECT_EQ((*known)->at(image).inliers, entry.inliers);
-            EXPECT_EQ((*known)->at(image).error_px, entry.error_px);
+        ASSERT_EQ(known->size(), anew->size());
+        for (const auto& [image, entry] : *anew) {
+            EXPECT_EQ(known->at(image).inliers, entry.inliers);
+            EXPECT_EQ(known->at(image).error_px, entry.error_px);
         }
     };
     Reconstruction model = row_of_three();
@@ -106,11 +106,42 @@ TEST(InlierCache, LooksAtImagesWhosePoseCameraOrPointsAreOthers) {
     read.clear();
     const auto known = cache.of(cluster_with(resting), keypoints);
     ASSERT_TRUE(known.ok());
-    EXPECT_EQ((*known)->at(ImageId{1}).inliers, 2U) << "what is known of it holds";
+    EXPECT_EQ(known->at(ImageId{1}).inliers, 2U) << "what is known of it holds";
     EXPECT_TRUE(read.empty());
     expect_as_new(cluster_with(model), {});  // awake again, and the same
     model.cameras[CameraId{0}] = make_camera(1000, 800, 901.0, FocalSource::kGiven);
     expect_as_new(cluster_with(model), {0, 1, 2});
+}
+
+TEST(InlierCache, AtOnceMeasuresNewImagesOnlyAndTheOthersLater) {
+    std::set<std::uint32_t> read;
+    const auto keypoints = [&](ImageId image) -> Result<std::shared_ptr<const Keypoints>> {
+        read.insert(index_of(image));
+        return std::make_shared<const Keypoints>(2);
+    };
+    InlierCache cache;
+    Reconstruction model = row_of_three();
+    const RegisteredImage third = model.images[2];
+    ASSERT_TRUE(cache.of(cluster_with(model), keypoints).ok());
+    const double before = cache.at_once(cluster_with(model), keypoints)->at(third.image).error_px;
+    model.images[2].cam_from_cluster.translation.x() -= 0.01;
+    read.clear();
+    const auto at_once = cache.at_once(cluster_with(model), keypoints);
+    ASSERT_TRUE(at_once.ok());
+    EXPECT_TRUE(read.empty());
+    EXPECT_EQ(at_once->at(third.image).error_px, before);
+    const auto measured = cache.of(cluster_with(model), keypoints);
+    ASSERT_TRUE(measured.ok());
+    EXPECT_NE(measured->at(third.image).error_px, before);
+    EXPECT_EQ(cache.at_once(cluster_with(model), keypoints)->at(third.image).error_px,
+              measured->at(third.image).error_px);
+
+    InlierCache other;
+    read.clear();
+    const auto anew = other.at_once(cluster_with(model), keypoints);
+    ASSERT_TRUE(anew.ok());
+    EXPECT_EQ(read, (std::set<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(anew->at(third.image).error_px, measured->at(third.image).error_px);
 }
 
 TEST(ImageAdvice, EveryReasonHasACodeOfItsOwnAndAdvice) {
