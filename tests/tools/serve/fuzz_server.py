@@ -282,7 +282,8 @@ class Fuzzer:
         """@return status, once the server has not enough to look at any more; whether that is wrong"""
         head = (f"PUT {API}/photographs/{sha(data)}?name={number} HTTP/1.1\r\nHost: {self.server.host}\r\n"
                 f"Content-Length: {len(data)}\r\nAuthorization: Bearer {[*self.tokens.values()][number % 2]}\r\n\r\n")
-        while (answer := self.exchange(head.encode() + data))[0][9:12] == b"429":
+        # 423: another thread is sending the same one
+        while (answer := self.exchange(head.encode() + data))[0][9:12] in (b"423", b"429"):
             time.sleep(0.5)
         status = answer[0][9:12].decode()
         return status, answer[1] or status not in ("200", "201", "413", "415" if data else "422", "503", "507")
