@@ -173,7 +173,7 @@ std::optional<LiveSession::ToShow> LiveSession::tell(const ScenePtr& scene) {
     if (!facts.ok()) return std::nullopt;  // Expected: the next version may be had
     add_origins(origin_of_, *facts);
     tell_images(facts->facts, ++tellings_);
-    return ToShow{*std::move(facts), tellings_, memory_.inliers};
+    return ToShow{*std::move(facts), tellings_, memory_.inliers, false};
 }
 
 void LiveSession::show(ToShow model) {
