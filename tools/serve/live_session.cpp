@@ -137,7 +137,7 @@ void LiveSession::tell_states() {
         if (scene) told = tell(scene);
         if (told) newest = std::make_shared<const Scene>(told->facts.scene);
         last = Clock::now();
-        exact = settles;
+        exact = settles && told;
         lock.lock();
         if (!told) continue;
         to_show_ = *std::move(told);
