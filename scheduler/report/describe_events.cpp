@@ -179,6 +179,7 @@ SessionEvent describe_settling(std::span<const SettlingModel> models) {
     std::size_t largest = 0;
     for (const SettlingModel& model : models) {
         event.clusters.push_back(index_of(model.cluster));
+        event.cluster_images.push_back(static_cast<std::uint32_t>(model.images));
         largest = std::max(largest, model.images);
     }
     const std::string images = std::to_string(largest) + " images";

@@ -162,6 +162,7 @@ struct SessionEvent {
     std::string text;                 ///< one sentence
     std::vector<std::string> images;  ///< names concerned, at most a few
     std::vector<std::uint32_t> clusters;
+    std::vector<std::uint32_t> cluster_images;  ///< of kSettle: how many each of them has
     std::string detail_json;  ///< an object with further fields for the log; may be empty
 };
 

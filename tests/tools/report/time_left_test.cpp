@@ -33,12 +33,25 @@ TEST(TimeLeft, OfASteadyRunIsWithinAQuarterFromAThirdOn) {
             EXPECT_NEAR(*left.seconds(now), truth, 0.25 * truth) << done;
         }
     }
-    left.on_settling(now, 4);
-    EXPECT_NEAR(*left.seconds(now), 25.0, 0.25 * 25.0);
-    left.on_settled(2);
-    EXPECT_NEAR(*left.seconds(now + 10.0), 10.0, 1e-9);
-    left.on_settled(4);
+    left.on_settling(now, 400);
+    const double settling = *left.seconds(now);
+    EXPECT_NEAR(settling, 25.0, 0.25 * 25.0);
+    left.on_settled(now + 10.0, 200);
+    EXPECT_NEAR(*left.seconds(now + 10.0), 0.5 * settling, 1e-9);
+    left.on_settled(now + 20.0, 200);
     EXPECT_NEAR(*left.seconds(now + 20.0), 0.0, 1e-9);
+}
+
+TEST(TimeLeft, FallsWhileTheLastOfSeveralModelsSettles) {
+    TimeLeft left(100);
+    for (std::size_t done = 1; done <= 100; ++done) left.on_photos(2.0 * done, done);
+    left.on_settling(200.0, 100);
+    left.on_settled(203.0, 20);
+    double before = *left.seconds(203.0);
+    for (double now = 204.0; now < 213.0; now += 1.0) {
+        EXPECT_LT(*left.seconds(now), before) << now;
+        before = *left.seconds(now);
+    }
 }
 
 TEST(TimeLeft, RateFallsWhileNothingComes) {

@@ -102,17 +102,35 @@ void Progress::on_publish(const PublishMessage& publish) {
                 break;
             case SessionEvent::Kind::kSettle:
                 if (terminal_) say(event.text);
-                settling_ = event.clusters.size();
-                settled_before_ = publish.counts.solves_settle;
-                time_left_.on_settling(now(), settling_);
+                on_settling(event);
                 break;
             case SessionEvent::Kind::kSolve:
+                on_solved(event);
                 break;
         }
     }
     time_left_.on_photos(now(), done_);
-    if (settling_ > 0) time_left_.on_settled(publish.counts.solves_settle - settled_before_);
     show(publish.counts);
+}
+
+void Progress::on_settling(const SessionEvent& event) {
+    settling_ = event.clusters.size();
+    unsettled_.clear();
+    std::size_t images = 0;
+    for (std::size_t i = 0; i < event.clusters.size(); ++i) {
+        unsettled_[event.clusters[i]] = event.cluster_images[i];
+        images += event.cluster_images[i];
+    }
+    time_left_.on_settling(now(), images);
+}
+
+void Progress::on_solved(const SessionEvent& event) {
+    for (const std::uint32_t cluster : event.clusters) {
+        if (const auto found = unsettled_.find(cluster); found != unsettled_.end()) {
+            time_left_.on_settled(now(), found->second);
+            unsettled_.erase(found);
+        }
+    }
 }
 
 void Progress::show(const SessionCounts& counts) {
@@ -155,7 +173,7 @@ std::string Progress::line() const {
                   time_left_.rate(now()));
     line += text;
     if (settling_ > 0) {
-        line += ", " + std::to_string(counts_.solves_settle - settled_before_) + " of " +
+        line += ", " + std::to_string(settling_ - unsettled_.size()) + " of " +
                 std::to_string(settling_) + " models settled";
     }
     if (const auto left = time_left_.seconds(now()); left && (done_ < expected_ || settling_ > 0))

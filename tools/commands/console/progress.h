@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -37,6 +38,8 @@ class Progress final : public SessionObserver {
   private:
     /// Says so when the log can no longer be written, and when it can again.
     void write_log(const PublishMessage& publish);
+    void on_settling(const SessionEvent& event);
+    void on_solved(const SessionEvent& event);
     void say(const std::string& line);
     void show(const SessionCounts& counts);
     std::string line() const;
@@ -51,7 +54,7 @@ class Progress final : public SessionObserver {
     bool line_open_ = false;
     std::size_t done_ = 0;
     std::size_t settling_ = 0;  // models, of the last time that some began to
-    std::uint32_t settled_before_ = 0;
+    std::map<std::uint32_t, std::uint32_t> unsettled_;  // of their clusters: how many images
     TimeLeft time_left_;
     SessionCounts counts_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -16,17 +16,18 @@ constexpr std::size_t kFewest = 5;
 void TimeLeft::on_photos(double now, std::size_t done) {
     if (!done_.empty() && done_.back().second >= done) return;
     done_.emplace_back(now, done);
-    models_ = settled_ = 0;  // a watched folder goes on after it has settled
+    images_ = settled_ = 0;  // a watched folder goes on after it has settled
 }
 
-void TimeLeft::on_settling(double now, std::size_t models) {
-    settling_since_ = now;
-    models_ = models;
+void TimeLeft::on_settling(double now, std::size_t images) {
+    settling_since_ = settled_at_ = now;
+    images_ = images;
     settled_ = 0;
 }
 
-void TimeLeft::on_settled(std::size_t models) {
-    settled_ = std::min(models, models_);
+void TimeLeft::on_settled(double now, std::size_t images) {
+    settled_ = std::min(settled_ + images, images_);
+    settled_at_ = now;
 }
 
 double TimeLeft::rate(double now) const {
@@ -46,11 +47,10 @@ double TimeLeft::rate(double now) const {
 
 std::optional<double> TimeLeft::seconds(double now) const {
     if (is_settling()) {
-        const double spent = now - settling_since_;
-        if (settled_ > 0) {
-            return spent * static_cast<double>(models_ - settled_) / static_cast<double>(settled_);
-        }
-        return std::max(kSettlingShare * settling_since_ - spent, 0.1 * spent);
+        const double left = 1.0 - static_cast<double>(settled_) / static_cast<double>(images_);
+        // What is left takes as long as was expected of it, from when the last model had settled.
+        const double expected = left * kSettlingShare * settling_since_;
+        return std::max(expected - (now - settled_at_), 0.1 * left * (now - settling_since_));
     }
     if (expected_ == 0 || done_.empty() || done_.back().second < std::min(kFewest, expected_))
         return std::nullopt;

@@ -21,10 +21,10 @@ class TimeLeft {
     /// @param expected  photographs of the run; 0: not known, and nothing is said of the time left
     explicit TimeLeft(std::size_t expected) : expected_(expected) {}
 
-    void on_photos(double now, std::size_t done);  ///< so many are accounted for, in all
-    void on_settling(double now, std::size_t models);
-    void on_settled(std::size_t models);  ///< so many of those
-    bool is_settling() const { return models_ > 0; }
+    void on_photos(double now, std::size_t done);      ///< so many are accounted for, in all
+    void on_settling(double now, std::size_t images);  ///< of models that begin to settle
+    void on_settled(double now, std::size_t images);   ///< of another one that has
+    bool is_settling() const { return images_ > 0; }
 
     /// Photographs a second, over the latter half of those that are done; 0 while none is.
     double rate(double now) const;
@@ -35,8 +35,9 @@ class TimeLeft {
     std::size_t expected_;
     std::vector<std::pair<double, std::size_t>> done_;  // when, how many; ascending
     double settling_since_ = 0.0;
-    std::size_t models_ = 0;  // that settle; 0: none does
+    std::size_t images_ = 0;  // of models that settle; 0: none does
     std::size_t settled_ = 0;
+    double settled_at_ = 0.0;
 };
 
 }  // namespace psfm
