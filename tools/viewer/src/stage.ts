@@ -11,13 +11,20 @@ import { Model, Quat, Vec3, WorldPose, conjugate, moved, rotate, worldPoses } fr
 const UP_ANGLE = 0.1; // [rad]
 const LEAST_FREE = 0.35; // of the canvas's height, whatever lies over it
 const FEW_POINTS = 30000; // so many are drawn larger
+const FIRST_POINTS = 50000; // of the first picture: the others follow it
 const FRAME_MS = 33; // while one moves: as many points as this allows
 const EDGE_COLOURS: Record<string, number> = { holds: 0x4f86b8, open: 0x8a8f98, implausible: 0xc9882b, apart: 0xc44fc0, contradicts: 0xe0442e };
 
 export interface Picked { cluster: number; slot: number; position: Vec3 }
 
+/** Takes as long as a model does to arrive, and needs none. */
+export function rendererOf(canvas: HTMLCanvasElement): THREE.WebGLRenderer {
+  const renderer = new THREE.WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
+  renderer.setClearColor(0x14181d);
+  return renderer;
+}
+
 export class Stage {
-  readonly renderer: THREE.WebGLRenderer;
   readonly camera = new THREE.PerspectiveCamera(50, 1, 0.01, 1000);
   controls: OrbitControls;
   private readonly world = new THREE.Scene();
@@ -28,7 +35,7 @@ export class Stage {
   private shifts = new Map<number, Vec3>(); // by part
   private poses: WorldPose[] = [];
   private wanted = false;
-  private share = 1; // of the points that are drawn
+  private share = 0; // of the points that are drawn; 0: none ever was
   private moving = 0; // until when [ms]
   private selected = new Set<number>();
   private replayed: Map<number, { q: Quat; centre: Vec3 }> | null = null;
@@ -43,10 +50,8 @@ export class Stage {
   drawn = 0; // points of the last frame, for tests and for who wants to know
   frameMs = 0;
 
-  constructor(readonly canvas: HTMLCanvasElement, readonly model: Model, readonly cameras: Map<number, Camera>,
+  constructor(readonly canvas: HTMLCanvasElement, readonly renderer: THREE.WebGLRenderer, readonly model: Model, readonly cameras: Map<number, Camera>,
               private edgeList: Edge[], private up: Vec3, readonly userOf: (image: number) => number, private inMetres: boolean) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
-    this.renderer.setClearColor(0x14181d);
     this.camera.up.set(...up);
     this.controls = this.newControls();
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -351,8 +356,9 @@ export class Stage {
 
   sizeOfPoints(): number {
     if (this.pointSize > 0) return this.pointSize;
-    return [...this.clouds.values()].reduce((n, cloud) => n + cloud.count, 0) < FEW_POINTS ? 3 : 2;
+    return this.points() < FEW_POINTS ? 3 : 2;
   }
+  private points(): number { return [...this.clouds.values()].reduce((n, cloud) => n + cloud.count, 0); }
 
   draw(): void {
     if (this.wanted) return;
@@ -362,7 +368,8 @@ export class Stage {
   private frame(): void {
     this.wanted = false;
     const start = performance.now(), isMoving = start < this.moving;
-    if (!isMoving) this.share = Math.min(1, this.share * 2);
+    if (this.share === 0 && this.clouds.size > 0) this.share = Math.min(1, FIRST_POINTS / Math.max(1, this.points()));
+    else if (!isMoving) this.share = Math.min(1, this.share * 2);
     this.drawn = 0;
     for (const cloud of this.clouds.values()) {
       cloud.set(this.mode, this.sizeOfPoints() * this.renderer.getPixelRatio(), this.time);
@@ -374,9 +381,9 @@ export class Stage {
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // else only the queueing is timed
     this.frameMs = performance.now() - start;
     if (isMoving) {
-      this.share = Math.min(1, Math.max(0.01, this.share * Math.min(1.5, Math.max(0.3, FRAME_MS / Math.max(this.frameMs, 1)))));
+      if (this.share > 0) this.share = Math.min(1, Math.max(0.01, this.share * Math.min(1.5, Math.max(0.3, FRAME_MS / Math.max(this.frameMs, 1)))));
       setTimeout(() => this.draw(), 260); // what was left out is drawn when one stands still
-    } else if (this.share < 1) {
+    } else if (this.share > 0 && this.share < 1) {
       this.draw();
     }
   }

@@ -6,7 +6,7 @@ import { button, el, select, toggle } from "./dom";
 import { ImageList, titleOf } from "./list";
 import { ColourMode, LEGENDS } from "./points";
 import { Camera, FileSource, ImageFact, ServerError, ServerSource, Session, Source } from "./source";
-import { Stage } from "./stage";
+import { Stage, rendererOf } from "./stage";
 import { Timeline } from "./timeline";
 import { Live } from "./live";
 import { NO_LINK, signIn } from "./login";
@@ -32,15 +32,17 @@ export class Viewer {
   constructor(readonly source: Source, private readonly root: HTMLElement) {}
 
   async start(): Promise<void> {
-    const [session, scene] = await Promise.all([this.source.session(), this.source.scene()]);
+    const coming = Promise.all([this.source.session(), this.source.scene()]);
+    const canvas = el("canvas", { class: "stage", tabindex: "0", role: "application", "aria-label": "The model. Drag to turn, right drag to shift, wheel to zoom, F to see all, arrow keys to turn." });
+    const renderer = rendererOf(canvas);
+    const [session, scene] = await coming;
     this.session = session;
     if (scene.length > 0) this.model.apply(scene);
-    const canvas = el("canvas", { class: "stage", tabindex: "0", role: "application", "aria-label": "The model. Drag to turn, right drag to shift, wheel to zoom, F to see all, arrow keys to turn." });
     this.details = new Details(this.source, (image) => this.factOf(image), () => this.session.edges, (image) => this.cameraOf(image));
     this.list = new ImageList(session.image_list, (fact, how) => this.choose(fact, how));
     const side = this.side(), tools = this.tools();
     this.root.replaceChildren(el("main", { class: "stagebox" }, canvas, this.tip, tools), side);
-    this.stage = new Stage(canvas, this.model, new Map(session.cameras.map((c) => [c.id, c])), session.edges, session.up,
+    this.stage = new Stage(canvas, renderer, this.model, new Map(session.cameras.map((c) => [c.id, c])), session.edges, session.up,
       (image) => this.factOf(image)?.user ?? 0, session.in_metres);
     this.timeline = new Timeline(this.source, this.stage);
     this.root.firstElementChild!.append(this.timeline.element);
