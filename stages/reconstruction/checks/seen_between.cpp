@@ -41,8 +41,8 @@ class Foreground {
     void add(const Eigen::Vector2d& pixel, double depth) {
         const auto [column, row] = cell_of(pixel);
         for (std::uint32_t y = row - std::min(row, 1U); y < std::min(row + 2, rows_); ++y) {
-            for (std::uint32_t x = column - std::min(column, 1U); x < std::min(column + 2, columns_);
-                 ++x) {
+            for (std::uint32_t x = column - std::min(column, 1U);
+                 x < std::min(column + 2, columns_); ++x) {
                 const std::size_t at = std::size_t{y} * columns_ + x;
                 nearest_[at] = std::min(nearest_[at], depth);
                 ++points_[at];
@@ -105,8 +105,8 @@ std::uint32_t step_of(const Reconstruction& model, std::uint32_t points_per_imag
     if (points_per_image == 0) return 1;
     std::size_t observations = 0;
     for (const ScenePoint& point : model.points) observations += point.track.size();
-    return static_cast<std::uint32_t>(std::max<std::size_t>(
-        1, observations / (points_per_image * model.images.size())));
+    return static_cast<std::uint32_t>(
+        std::max<std::size_t>(1, observations / (points_per_image * model.images.size())));
 }
 
 TrackedPoint tracked(const ScenePoint& point, const std::vector<std::uint32_t>& positions,

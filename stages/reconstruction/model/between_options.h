@@ -33,8 +33,8 @@ struct BetweenOptions {
     std::uint32_t min_own = 3;
     double min_depth = 0.6;
     /// Companions that are asked with an image (companions.h), and how many of them all have to see
-    /// a point before it counts. Lowered: what features lose by chance is missed; raised: companions
-    /// stand beyond a fold.
+    /// a point before it counts. Lowered: what features lose by chance is missed; raised:
+    /// companions stand beyond a fold.
     std::uint32_t companions = 4;
     std::uint32_t min_asked = 3;
     /// Points of images fewer than so many are left out: chance matches. Of longer tracks so many

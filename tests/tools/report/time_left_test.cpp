@@ -44,7 +44,8 @@ TEST(TimeLeft, OfASteadyRunIsWithinAQuarterFromAThirdOn) {
 
 TEST(TimeLeft, FallsWhileTheLastOfSeveralModelsSettles) {
     TimeLeft left(100);
-    for (std::size_t done = 1; done <= 100; ++done) left.on_photos(2.0 * done, done);
+    for (std::size_t done = 1; done <= 100; ++done)
+        left.on_photos(2.0 * static_cast<double>(done), done);
     left.on_settling(200.0, 100);
     left.on_settled(203.0, 20);
     double before = *left.seconds(203.0);

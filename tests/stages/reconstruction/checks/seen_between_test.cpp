@@ -69,9 +69,8 @@ TEST(SeenBetween, ARightModelSharesNearlyAll) {
         const Sum sum = sum_of(pairs, all);
         EXPECT_GT(sum.expected, 500.0);
         EXPECT_GT(sum.part(), 0.9);
-        EXPECT_TRUE(std::ranges::is_sorted(pairs, {}, [](const SeenBetween& pair) {
-            return std::pair(pair.first, pair.second);
-        }));
+        EXPECT_TRUE(std::ranges::is_sorted(
+            pairs, {}, [](const SeenBetween& pair) { return std::pair(pair.first, pair.second); }));
     }
 }
 
@@ -115,9 +114,8 @@ TEST(SeenBetween, WhoStandsBesideAllWhoSeeAPointNeedNotSeeIt) {
     const auto own = static_cast<std::uint32_t>(last - model.images.begin());
     const auto pairs = find_seen_between(model, {});
     ASSERT_GT(sum_of(pairs, all).expected, 100.0);
-    EXPECT_TRUE(std::ranges::none_of(pairs, [&](const SeenBetween& pair) {
-        return pair.first == own || pair.second == own;
-    }));
+    EXPECT_TRUE(std::ranges::none_of(
+        pairs, [&](const SeenBetween& pair) { return pair.first == own || pair.second == own; }));
 }
 
 TEST(SeenBetween, AnEmptyModelExpectsNothing) {
@@ -143,8 +141,7 @@ TEST(Companions, AreThoseWithMostInCommon) {
     ASSERT_EQ(companions.size(), kImages);
     for (std::uint32_t i = 0; i < kImages; ++i) {
         ASSERT_EQ(companions[i].size(), 4U);
-        const Eigen::Vector3d own =
-            model.images[i].cam_from_cluster.target_origin_in_source();
+        const Eigen::Vector3d own = model.images[i].cam_from_cluster.target_origin_in_source();
         for (const std::uint32_t other : companions[i]) {
             EXPECT_NE(other, i);
             const Eigen::Vector3d theirs =
