@@ -115,7 +115,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.weak_edge_weight, 1e-09, 1, "what a weak edge weighs in rotation averaging", "ours: it decides where nothing else does"),
 
     PSFM_OPTION(solve.places.between.companions, 0, kCount, "images that are asked with one for what is seen from both sides of it", "ours; docs/look-alikes.md"),
-    PSFM_OPTION(solve.places.between.distance_slack, 0, 0.99, "part by which one is nearer or farther than all who see a point", "not tuned"),
+    PSFM_OPTION(solve.places.between.size_slack, 0, 0.99, "part by which a point is larger or smaller than in all that see it", "not tuned"),
     PSFM_OPTION(solve.places.between.grid, 1, 64, "cells along the longer side of a photograph", "not tuned"),
     PSFM_OPTION(solve.places.between.margin, 0, 0.49, "rim of a photograph in which no point is expected, over its longer side", "not tuned"),
     PSFM_OPTION(solve.places.between.max_angle_deg, 0.01, 89, "directions from which a point is found again [deg]", "ours; docs/look-alikes.md"),

@@ -23,8 +23,8 @@ struct TrackedPoint {
     const ScenePoint* point = nullptr;
     std::vector<std::uint32_t> images;  ///< positions in the model
     std::vector<Eigen::Vector3d> rays;  ///< unit, from each of them
-    double nearest = 0.0;
-    double farthest = 0.0;
+    double largest = 0.0;  ///< how large it is in their photographs: distance over focal length
+    double smallest = 0.0;
 };
 
 /// What an image has in front of it, in cells of the photograph, each with those around it.
@@ -122,8 +122,9 @@ TrackedPoint tracked(const ScenePoint& point, const std::vector<std::uint32_t>& 
         const double distance = ray.norm();
         result.images.push_back(image);
         result.rays.emplace_back(ray / distance);
-        result.nearest = std::min(result.nearest, distance);
-        result.farthest = std::max(result.farthest, distance);
+        const double relative = distance / views[image].camera->mean_focal();
+        result.largest = std::min(result.largest, relative);
+        result.smallest = std::max(result.smallest, relative);
     }
     return result;
 }
@@ -205,8 +206,9 @@ bool has_to_see(std::uint32_t own, const BetweenView& view, const TrackedPoint& 
                 const BetweenOptions& options, std::vector<Angle>& angles) {
     const Eigen::Vector3d ray = point.point->position - view.centre;
     const double distance = ray.norm();
-    if (distance < (1.0 - options.distance_slack) * point.nearest ||
-        distance > (1.0 + options.distance_slack) * point.farthest)
+    const double relative = distance / view.camera->mean_focal();
+    if (relative < (1.0 - options.size_slack) * point.largest ||
+        relative > (1.0 + options.size_slack) * point.smallest)
         return false;
     const Eigen::Vector3d in_camera = view.image->cam_from_cluster * point.point->position;
     const auto pixel = project(*view.camera, in_camera);

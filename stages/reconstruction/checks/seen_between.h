@@ -20,7 +20,7 @@ struct SeenBetween {
 };
 
 /// Asks for points that are seen from both sides of an image: two others see them, between whose
-/// viewpoints its own one lies, in direction and in distance, and nothing of its own is in front.
+/// viewpoints its own one lies, in direction and in size, and nothing of its own is in front.
 /// These are the missing correspondences of Zach, Irschara & Bischof (CVPR 2008) with nothing
 /// extrapolated (ours): to one side of all who see a point it may be seen by nobody; between two of
 /// them it is. And since one image loses every third point by chance, its companions are asked, too

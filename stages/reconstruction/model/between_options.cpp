@@ -15,8 +15,8 @@ Result<void> validate(const BetweenOptions& options) {
     if (!(options.min_spread_deg >= 0.0 && options.max_spread_deg > options.min_spread_deg &&
           options.max_spread_deg < 180.0))
         return invalid("spreads must be ascending and below 180 degrees");
-    if (!(options.distance_slack >= 0.0 && options.distance_slack < 1.0))
-        return invalid("distance_slack must be at least 0 and below 1");
+    if (!(options.size_slack >= 0.0 && options.size_slack < 1.0))
+        return invalid("size_slack must be at least 0 and below 1");
     if (!(options.max_angle_deg > 0.0 && options.max_angle_deg < 90.0))
         return invalid("max_angle_deg must be between 0 and 90");
     if (options.min_asked == 0) return invalid("min_asked must be at least 1");

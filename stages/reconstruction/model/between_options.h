@@ -20,9 +20,9 @@ struct BetweenOptions {
     /// tuned.
     double min_spread_deg = 1.0;
     double max_spread_deg = 60.0;
-    /// The image is nearer to the point than all who see it by this part at most, and farther than
-    /// all of them likewise. Not tuned.
-    double distance_slack = 0.05;
+    /// The point is larger in the image than in all that see it by this part at most, and smaller
+    /// likewise: features of a zoomed photograph are not found in one that is not. Not tuned.
+    double size_slack = 0.05;
     /// A point counts for the pairs of the image and those who see it from directions that differ
     /// by less [deg]. Raised: more pairs are compared, and more is lost by the way.
     double max_angle_deg = 20.0;

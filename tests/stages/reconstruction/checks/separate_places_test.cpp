@@ -79,7 +79,7 @@ TEST(SeparatePlaces, StreetsWhereNobodyStandsBesideAnybodyAreTwo) {
         if (index_of(image.image) % 2 == 1) image.cam_from_cluster.translation.z() += 3.0;
     }
     PlaceOptions options;
-    options.between.distance_slack = 0.4;  // all of one street are nearer than all of the other
+    options.between.size_slack = 0.4;  // all of one street are nearer than all of the other
     const auto pairs = synthetic::make_verified_pairs(scene);
     const Places places = separate_places(model, pairs, options);
     EXPECT_EQ(places.size(), 2U);
