@@ -6,9 +6,11 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "stages/reconstruction/checks/assess_model.h"
+#include "stages/reconstruction/checks/model_cuts.h"
 #include "stages/reconstruction/checks/separate_places.h"
 
 namespace psfm {
@@ -129,6 +131,16 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
     return edges;
 }
 
+std::vector<SeenBetween> matched_between(std::vector<SeenBetween> pairs,
+                                         const std::vector<ModelEdge>& edges) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> matched;
+    for (const ModelEdge& edge : edges) matched.insert(std::minmax(edge.first, edge.second));
+    std::erase_if(pairs, [&](const SeenBetween& pair) {
+        return !matched.contains({pair.first, pair.second});
+    });
+    return pairs;
+}
+
 bool brings_doubt(const Reconstruction& model, const Reconstruction& than,
                   const SolveOptions& options) {
     if (!options.policy.may_be_doubted(std::max(model.images.size(), than.images.size())))
@@ -155,6 +167,9 @@ ModelScore score_of(const Judged& judged, const SolveOptions& options) {
         if (edge.is_denied(options.doubt) && edge.relative >= options.doubt.min_denied)
             ++score.denied;
     }
+    score.folds = static_cast<std::uint32_t>(
+        std::ranges::count_if(cuts_of(judged, options.doubt),
+                              [&](const Cut& cut) { return is_fold(cut, options.doubt); }));
     score.in_places = judged.attempt.places && !judged.attempt.places->empty();
     return score;
 }
@@ -168,6 +183,8 @@ Judged judge(SolveAttempt attempt, const ClusterProblem& problem, const SolveOpt
     }
     judged.compared = compare_by_region(attempt.model, options.doubt);
     judged.edges = edges_of(attempt.model, problem, judged.compared, options.doubt);
+    judged.between =
+        matched_between(find_seen_between(attempt.model, options.places.between), judged.edges);
     judged.attempt = std::move(attempt);
     judged.score = score_of(judged, options);
     return judged;

@@ -8,6 +8,7 @@
 #include "graph/two_view_geometry.h"
 #include "stages/reconstruction/checks/judge_model.h"
 #include "stages/reconstruction/checks/missing_regions.h"
+#include "stages/reconstruction/checks/seen_between.h"
 #include "stages/reconstruction/model/cluster_problem.h"
 #include "stages/reconstruction/model/solve_options.h"
 
@@ -21,6 +22,7 @@ struct ModelScore {
     std::uint32_t missing = 0;
     std::uint32_t contradicting = 0;  ///< pairs
     std::uint32_t denied = 0;         ///< strong edges of which the model explains next to nothing
+    std::uint32_t folds = 0;          ///< cuts between two things (is_fold)
     std::uint32_t loose = 0;          ///< images (loose_images)
     bool in_places = false;           ///< it shows several
 
@@ -28,7 +30,7 @@ struct ModelScore {
         return static_cast<double>(missing) / (regions > 0 ? regions : 1);
     }
     /// Whether anything speaks against it.
-    bool is_doubted() const { return contradicting > 0 || denied > 0 || in_places; }
+    bool is_doubted() const { return contradicting > 0 || denied > 0 || folds > 0 || in_places; }
     bool operator==(const ModelScore&) const = default;
 };
 
@@ -68,12 +70,18 @@ std::vector<ModelEdge> edges_of(const Reconstruction& model, const ClusterProble
                                 const std::vector<ComparedPair>& compared,
                                 const DoubtOptions& options);
 
+/// Those of the pairs that have an edge, a weak one perhaps: photographs of large sessions are
+/// matched with the most similar ones only, and what has never been looked for is not missing.
+std::vector<SeenBetween> matched_between(std::vector<SeenBetween> pairs,
+                                         const std::vector<ModelEdge>& edges);
+
 /// A model with what is known of it.
 struct Judged {
     SolveAttempt attempt;
     ModelScore score;
     std::vector<ComparedPair> compared;
     std::vector<ModelEdge> edges;
+    std::vector<SeenBetween> between;  ///< matched_between()
 };
 
 /// Of what has been compared and of the edges that a judged model has.

@@ -8,6 +8,7 @@
 
 #include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/in_parallel.h"
+#include "stages/reconstruction/checks/companions.h"
 
 namespace psfm {
 namespace {
@@ -25,14 +26,15 @@ struct RegionView {
     const Camera* camera = nullptr;
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     std::vector<SeenPoint> seen;
+    std::vector<ImageId> companions;
 };
 
 /// What is expected of one image in the regions of another, and found there.
 struct Region {
     std::uint32_t expected = 0;
-    std::uint32_t shared = 0;
-    std::uint32_t own = 0;  ///< points of the other image there that are not nearer
-    double depth = 0.0;     ///< of the expected ones, their mean
+    std::uint32_t shared = 0;  ///< with it or one of its companions
+    std::uint32_t own = 0;     ///< points of the other image there that are not nearer
+    double depth = 0.0;        ///< of the expected ones, their mean
 };
 
 std::uint32_t region_of(const Eigen::Vector2d& pixel, const Camera& camera, std::uint32_t grid) {
@@ -45,15 +47,17 @@ std::uint32_t region_of(const Eigen::Vector2d& pixel, const Camera& camera, std:
 
 std::vector<RegionView> region_views_of(const Reconstruction& model, const DoubtOptions& options) {
     std::vector<RegionView> views(model.images.size());
-    std::vector<std::uint32_t> position_of;
+    const std::vector<std::vector<std::uint32_t>> companions =
+        companions_of(model, options.companions);
     for (std::uint32_t i = 0; i < model.images.size(); ++i) {
         const RegisteredImage& image = model.images[i];
         views[i].image = &image;
         views[i].camera = &model.cameras.at(image.camera);
         views[i].centre = image.cam_from_cluster.target_origin_in_source();
-        position_of.resize(std::size_t{index_of(image.image)} + 1);
-        position_of[index_of(image.image)] = i;
+        for (const std::uint32_t companion : companions[i])
+            views[i].companions.push_back(model.images[companion].image);
     }
+    const std::vector<std::uint32_t> position_of = positions_by_id(model);
     for (const ScenePoint& point : model.points) {
         if (point.track.size() < options.min_track) continue;
         for (const Observation& observation : point.track) {
@@ -66,6 +70,15 @@ std::vector<RegionView> region_views_of(const Reconstruction& model, const Doubt
         }
     }
     return views;
+}
+
+/// Whether an image sees a point of another one, or one of its companions does.
+bool is_shared(const SeenPoint& seen, const RegionView& one, const RegionView& other) {
+    const ScenePoint& point = *seen.point;
+    return point.is_seen_by(other.image->image) ||
+           std::ranges::any_of(other.companions, [&](ImageId companion) {
+               return companion != one.image->image && point.is_seen_by(companion);
+           });
 }
 
 /// What `one` has seen, in the regions of `other`.
@@ -89,7 +102,7 @@ std::vector<Region> expect(const RegionView& one, const RegionView& other,
         Region& region = regions[region_of(*pixel, *other.camera, options.grid)];
         ++region.expected;
         region.depth += in_camera.z();
-        if (seen.point->is_seen_by(other.image->image)) ++region.shared;
+        if (is_shared(seen, one, other)) ++region.shared;
     }
     for (Region& region : regions) region.depth /= std::max(1U, region.expected);
     for (const SeenPoint& own : other.seen) {

@@ -20,10 +20,11 @@ struct ComparedPair {
 
 /// Compares all pairs of images of a model by region. Look-alikes agree in all that is alike; what
 /// stands beside them differs, and that shows in whole regions: points that one image has in common
-/// with others are expected in the other image, at nearly the same angle and scale, and it sees
-/// others there instead, no nearer. The missing correspondences of Zach, Irschara & Bischof (CVPR
-/// 2008) and Jiang, Tan & Cheong (CVPR 2012), counted in regions, since features get lost one by
-/// one in right models, too, and neighbours all together only in wrong ones (ours).
+/// with others are expected in the other image, at nearly the same angle and scale; neither it nor
+/// one of its companions sees them, and it sees others there instead, no nearer. The missing
+/// correspondences of Zach, Irschara & Bischof (CVPR 2008) and Jiang, Tan & Cheong (CVPR 2012),
+/// counted in regions, since features get lost one by one in right models, too, and neighbours all
+/// together only in wrong ones (ours).
 /// @return pairs of which enough is expected, ascending by (first, second)
 /// Cost: O(images^2 * points of an image). Deterministic on any number of threads. Thread-safe.
 std::vector<ComparedPair> compare_by_region(const Reconstruction& model,

@@ -49,11 +49,25 @@ std::vector<const ModelEdge*> tree_of(const Judged& judged, const DoubtOptions& 
     return tree;
 }
 
+bool can_be_compared(const Cut& cut, const DoubtOptions& options) {
+    return std::min(cut.expected, cut.expected_elsewhere) >= options.min_between;
+}
+
+/// Whether what is seen from both sides is shared across.
+bool is_held(const Cut& cut, const DoubtOptions& options) {
+    return can_be_compared(cut, options) && cut.shared_part() >= options.held;
+}
+
 /// Two parts of a model that contradict each other, and that nothing joins better.
 bool contradict_each_other(const Cut& cut, const SolveOptions& options) {
-    return options.policy.makes_model(cut.images) &&
-           cut.contradicting >= options.doubt.min_split_pairs &&
-           cut.missing_part() >= options.doubt.min_split_part;
+    const bool are_missed = cut.contradicting >= options.doubt.min_split_pairs &&
+                            cut.missing_part() >= options.doubt.min_split_part;
+    return options.policy.makes_model(cut.images) && (are_missed || is_fold(cut, options.doubt));
+}
+
+/// How much speaks for their being two.
+double contradiction(const Cut& cut) {
+    return std::max(cut.missing_part(), 1.0 - cut.shared_part());
 }
 
 /// Two parts that hang together by less than what speaks for another way.
@@ -74,6 +88,15 @@ const Cut* most(const std::vector<Cut>& cuts, const IsMeant& is_meant, const Mea
 }
 
 }  // namespace
+
+double Cut::shared_part() const {
+    if (expected == 0 || shared_elsewhere == 0) return 1.0;
+    return static_cast<double>(shared) / expected * expected_elsewhere / shared_elsewhere;
+}
+
+bool is_fold(const Cut& cut, const DoubtOptions& options) {
+    return can_be_compared(cut, options) && cut.shared_part() < options.folded;
+}
 
 std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
     const std::size_t images = judged.attempt.model.images.size();
@@ -98,6 +121,10 @@ std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
             cut.regions += pair.regions;
             cut.missing += pair.missing;
             cut.contradicting += contradicts(pair, options) ? 1 : 0;
+        }
+        for (const SeenBetween& pair : judged.between) {
+            (is_across(pair) ? cut.expected : cut.expected_elsewhere) += pair.expected;
+            (is_across(pair) ? cut.shared : cut.shared_elsewhere) += pair.shared;
         }
     }
     return cuts;
@@ -124,7 +151,7 @@ std::optional<Judged> in_parts(const Judged& judged, const std::vector<Cut>& cut
                                const SolveOptions& options) {
     if (judged.score.in_places) return std::nullopt;
     const Cut* cut = most(
-        cuts, [&](const Cut& c) { return contradict_each_other(c, options); }, &Cut::missing_part);
+        cuts, [&](const Cut& c) { return contradict_each_other(c, options); }, contradiction);
     if (cut == nullptr) return std::nullopt;
     const auto is_across = [&](const auto& pair) {
         return cut->side[pair.first] != cut->side[pair.second];
@@ -133,6 +160,7 @@ std::optional<Judged> in_parts(const Judged& judged, const std::vector<Cut>& cut
     apart.attempt.places = parts_of(judged.attempt.model, *cut);
     std::erase_if(apart.compared, is_across);
     std::erase_if(apart.edges, is_across);
+    std::erase_if(apart.between, is_across);
     apart.score = score_of(apart, options);
     return apart;
 }
@@ -149,7 +177,9 @@ std::vector<std::vector<ImageId>> outweighed_parts(const Judged& judged,
 
 bool is_doubtful(const std::vector<Cut>& cuts, const DoubtOptions& options) {
     return std::ranges::any_of(cuts, [&](const Cut& cut) {
-        return cut.contradicting >= options.min_split_pairs || cut.contest() >= options.contested;
+        const bool is_missed =
+            cut.contradicting >= options.min_split_pairs && !is_held(cut, options);
+        return is_missed || is_fold(cut, options) || cut.contest() >= options.contested;
     });
 }
 

@@ -26,13 +26,24 @@ struct Cut {
     std::uint32_t regions = 0;
     std::uint32_t missing = 0;
     std::uint32_t contradicting = 0;
+    // Of what is seen from both sides, by pairs across, and by all others.
+    std::uint32_t expected = 0;
+    std::uint32_t shared = 0;
+    std::uint32_t expected_elsewhere = 0;
+    std::uint32_t shared_elsewhere = 0;
 
     double missing_part() const { return static_cast<double>(missing) / std::max(1U, regions); }
+    /// The part that is shared across, over the same elsewhere; 1 where nothing is expected.
+    double shared_part() const;
     /// How much of what speaks against the model lies across.
     double promise() const { return denied + missing * missing_part(); }
     /// How strong another explanation is, over the model's.
     double contest() const { return denied / explained; }
 };
+
+/// Whether a cut is one between two things, of which the model shows the one in the place of the
+/// other: what is seen from both sides is not shared across.
+bool is_fold(const Cut& cut, const DoubtOptions& options);
 
 /// Cuts through one edge each of the strongest tree of what a model explains.
 std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options);

@@ -11,6 +11,7 @@
 #include "stages/algorithms/math/in_parallel.h"
 #include "stages/algorithms/math/kd_tree.h"
 #include "stages/algorithms/math/median.h"
+#include "stages/reconstruction/checks/companions.h"
 
 namespace psfm {
 namespace {
@@ -49,16 +50,6 @@ std::uint32_t step_for(const Reconstruction& model, std::uint32_t points_per_ima
     for (const ScenePoint& point : model.points) observations += point.track.size();
     const std::size_t step = observations / (points_per_image * model.images.size());
     return static_cast<std::uint32_t>(std::max<std::size_t>(1, step));
-}
-
-/// Where each image of a model stands in Reconstruction::images, by its id.
-std::vector<std::uint32_t> positions_by_id(const Reconstruction& model) {
-    std::vector<std::uint32_t> positions;
-    if (model.images.empty()) return positions;
-    positions.resize(std::size_t{index_of(model.images.back().image)} + 1);
-    for (std::uint32_t i = 0; i < model.images.size(); ++i)
-        positions[index_of(model.images[i].image)] = i;
-    return positions;
 }
 
 /// Of every `step`-th point.

@@ -23,7 +23,11 @@ Result<void> validate(const PlaceOptions& options) {
         return invalid("reached_rank and glance_points must be at least 1");
     if (!(options.margin >= 0.0 && options.margin < 0.5))
         return invalid("margin must be at least 0 and below 0.5");
-    return {};
+    if (!(options.same_between > 0.0 && options.same_between < 1.0))
+        return invalid("same_between must be between 0 and 1");
+    if (options.between_points == 0 || options.full_between == 0)
+        return invalid("between_points and full_between must be at least 1");
+    return validate(options.between);
 }
 
 }  // namespace psfm

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "graph/result.h"
+#include "stages/reconstruction/model/between_options.h"
 
 namespace psfm {
 
@@ -63,6 +64,17 @@ struct PlaceOptions {
     /// found at the very edge, and poses are not exact. Raised: fewer points are; lowered: what is
     /// seen by one only speaks for two places. Not tuned.
     double margin = 0.02;
+    /// What is seen from both sides of an image, of so many points of each.
+    BetweenOptions between;
+    std::uint32_t between_points = 100;
+    /// Part of it that is shared by images of one place, over the part that the model shares in the
+    /// mean: below it a pair speaks for two places, above it for one, fully from so many points on.
+    double same_between = 0.9;
+    std::uint32_t full_between = 100;
+    /// Two parts of a model are two places when so many pairs between them have less than this part
+    /// in common, of so many points.
+    double folded_between = 0.85;
+    std::uint32_t min_between = 400;
 };
 
 Result<void> validate(const PlaceOptions& options);

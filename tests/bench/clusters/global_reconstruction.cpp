@@ -11,7 +11,7 @@
 #include <string>
 
 #include "stages/reconstruction/solve/solve_cluster.h"
-#include "tests/bench/session_cluster.h"
+#include "tests/bench/clusters/session_cluster.h"
 
 namespace psfm::bench {
 namespace {

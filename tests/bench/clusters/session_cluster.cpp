@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/bench/session_cluster.h"
+#include "tests/bench/clusters/session_cluster.h"
 
 #include <map>
 #include <vector>

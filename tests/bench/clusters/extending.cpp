@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "stages/reconstruction/solve/solve_cluster.h"
-#include "tests/bench/session_cluster.h"
+#include "tests/bench/clusters/session_cluster.h"
 
 namespace psfm::bench {
 namespace {
