@@ -23,8 +23,8 @@ struct TrackedPoint {
     const ScenePoint* point = nullptr;
     std::vector<std::uint32_t> images;  ///< positions in the model
     std::vector<Eigen::Vector3d> rays;  ///< unit, from each of them
-    double largest = 0.0;  ///< how large it is in their photographs: distance over focal length
-    double smallest = 0.0;
+    double largest = 0.0;   ///< distance over focal length in the photograph with it at its largest
+    double smallest = 0.0;  ///< and at its smallest
 };
 
 /// What an image has in front of it, in cells of the photograph, each with those around it.

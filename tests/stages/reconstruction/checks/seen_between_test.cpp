@@ -118,6 +118,44 @@ TEST(SeenBetween, WhoStandsBesideAllWhoSeeAPointNeedNotSeeIt) {
         pairs, [&](const SeenBetween& pair) { return pair.first == own || pair.second == own; }));
 }
 
+/// What two of three observations of an image show is not found in it.
+Reconstruction with_losses_of(ImageId image, Reconstruction model) {
+    std::vector<ScenePoint> points = model.points.to_vector();
+    std::uint32_t count = 0;
+    for (ScenePoint& point : points) {
+        std::erase_if(point.track, [&](const Observation& observation) {
+            return observation.image == image && ++count % 3 != 0;
+        });
+    }
+    std::erase_if(points, [](const ScenePoint& point) { return point.track.size() < 2; });
+    model.points = std::move(points);
+    return model;
+}
+
+TEST(SeenBetween, WhatAZoomedImageShowsLargerThanAllOthersNeedNotBeFoundInIt) {
+    constexpr std::uint32_t kOwn = kImages / 2;
+    constexpr double kZoom = 2.0;
+    const Reconstruction whole = synthetic::true_reconstruction(dense_walk(kImages));
+    Reconstruction model = with_losses_of(whole.images[kOwn].image, whole);
+    BetweenOptions alone;
+    alone.companions = 0;
+    const auto of_own = [](const SeenBetween& pair) {
+        return pair.first == kOwn || pair.second == kOwn;
+    };
+    const Sum as_others = sum_of(find_seen_between(model, alone), of_own);
+    ASSERT_GT(as_others.expected, 500.0);
+    EXPECT_LT(as_others.part(), 0.8);
+
+    constexpr CameraId kZoomed{1000};
+    Camera zoomed = model.cameras.at(model.images[kOwn].camera);
+    zoomed.params[0] *= kZoom;
+    model.cameras.emplace(kZoomed, zoomed);
+    model.images[kOwn].camera = kZoomed;
+    const Sum larger = sum_of(find_seen_between(model, alone), of_own);
+    ASSERT_GT(larger.expected, 100.0) << "of others, who have to see what it sees";
+    EXPECT_GT(larger.part(), 0.95);
+}
+
 TEST(SeenBetween, AnEmptyModelExpectsNothing) {
     EXPECT_TRUE(find_seen_between({}, {}).empty());
 }
