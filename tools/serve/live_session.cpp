@@ -150,6 +150,7 @@ void LiveSession::show_models() {
     const auto between_changes = std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(options_.seconds_between_changes));
     Clock::time_point next_change = Clock::now();
+    scene();  // who opens a page first does not wait for its bytes
     std::unique_lock lock(inbox_mutex_);
     while (!over_) {
         wake_models_.wait(lock, [&] { return over_ || to_show_; });
@@ -162,8 +163,10 @@ void LiveSession::show_models() {
             hint_book_ = HintBook();
         }
         lock.unlock();
-        show(std::move(model));
+        const bool settled = model.settled;
         next_change = Clock::now() + between_changes;
+        show(std::move(model));
+        if (settled) scene();
         lock.lock();
     }
 }
@@ -193,13 +196,6 @@ void LiveSession::show(ToShow model) {
         change = shown_.update(*scene, source, settled);
         number = shown_.number();
     }
-    if (settled || error_pace_.is_due()) {
-        error_pace_.run([&] {
-            // Expected: what cannot be read is measured with the next version
-            if (measure_placed(*reader_, *model.inliers, facts).ok())
-                tell_images(facts.facts, model.number);
-        });
-    }
     const auto edges = edges_.read(*reader_, *scene);
     PageSession page;
     page.name = name_;
@@ -211,23 +207,50 @@ void LiveSession::show(ToShow model) {
     if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
     if (users_ != nullptr) page.users = users_->names();
     page.hints = hints_;
+    keep_page(page);
+    tell_change(scene, facts, number, change);
+
+    // What takes long comes after what people wait for.
+    bool knows_more = false;
+    if (settled || error_pace_.is_due()) {
+        error_pace_.run([&] {
+            // Expected: what cannot be read is measured with the next version
+            if (!measure_placed(*reader_, *model.inliers, facts).ok()) return;
+            tell_images(facts.facts, model.number);
+            knows_more = true;
+        });
+    }
     // Expected: as above
     if (edges.ok() && (settled || hint_pace_.is_due())) {
         hint_pace_.run(
             [&] { page.hints = hint_book_.hints(*scene, *edges, shown_names(facts), whole); });
+        if (!std::ranges::equal(hints_, page.hints, {}, &Hint::text, &Hint::text)) {
+            tell_hints(page.hints);
+            knows_more = true;
+        }
+        hints_ = page.hints;
     }
+    if (knows_more) keep_page(page);
+}
+
+void LiveSession::keep_page(const PageSession& page) {
     std::string session = session_json(page);
     session.pop_back();
+    const std::lock_guard lock(mutex_);
+    facts_ = page.facts->facts;
+    session_ = std::move(session);
+    sessions_.clear();
+}
 
+void LiveSession::tell_change(const ScenePtr& scene, const SessionFacts& facts,
+                              std::uint32_t number, const std::string& change) {
     WireWriter framed;
     framed.u32(static_cast<std::uint32_t>(change.size()));
     framed.text(change);
     Change kept{number, std::make_shared<const std::string>(framed.bytes()), nullptr};
     kept.gzip = std::make_shared<const std::string>(gzipped(framed.bytes()));
     const std::size_t bytes = kept.gzip->size();
-    const SessionCounts counts = facts.summary.counts;
-    ordered_json weak = ordered_json::parse(weak_models_json(facts.summary));
-    const bool new_hints = [&] {
+    {
         const std::lock_guard lock(mutex_);
         change_bytes_ += bytes;
         changes_.push_back(std::move(kept));
@@ -238,13 +261,9 @@ void LiveSession::show(ToShow model) {
             changes_.pop_front();
         }
         scene_ = scene;
-        facts_ = std::move(facts.facts);
-        session_ = std::move(session);
-        sessions_.clear();
-        const bool differs = !std::ranges::equal(hints_, page.hints, {}, &Hint::text, &Hint::text);
-        hints_ = page.hints;
-        return differs;
-    }();
+    }
+    const SessionCounts& counts = facts.summary.counts;
+    ordered_json weak = ordered_json::parse(weak_models_json(facts.summary));
     events_->publish("version", text_of({{"version", counts.version},
                                          {"images", counts.images},
                                          {"placed", counts.placed},
@@ -255,13 +274,15 @@ void LiveSession::show(ToShow model) {
                                          {"change", number},
                                          {"bytes", bytes},
                                          {"weak_models", std::move(weak)}}));
-    if (!new_hints) return;
-    ordered_json hints = ordered_json::array();
-    for (const Hint& hint : page.hints) {
-        hints.push_back(
+}
+
+void LiveSession::tell_hints(const std::vector<Hint>& hints) {
+    ordered_json told = ordered_json::array();
+    for (const Hint& hint : hints) {
+        told.push_back(
             {{"kind", hint_name(hint.kind)}, {"image", index_of(hint.image)}, {"text", hint.text}});
     }
-    events_->publish("hint", text_of(hints));
+    events_->publish("hint", text_of(told));
 }
 
 void LiveSession::tell_images(const std::vector<ImageFact>& facts, std::uint64_t number) {

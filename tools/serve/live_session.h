@@ -99,8 +99,12 @@ class LiveSession final : public SessionObserver {
     void show_models();
     /// States of photographs. Nothing: they cannot be read yet.
     std::optional<ToShow> tell(const ScenePtr& scene);
-    /// The model that they are of.
+    /// The model that they are of; what takes longer to find out (errors, hints) after it.
     void show(ToShow model);
+    void keep_page(const PageSession& page);
+    void tell_change(const ScenePtr& scene, const SessionFacts& facts, std::uint32_t number,
+                     const std::string& change);
+    void tell_hints(const std::vector<Hint>& hints);
     /// @param number  of the telling; nothing is told when a later one has begun
     void tell_images(const std::vector<ImageFact>& facts, std::uint64_t number);
 
@@ -127,6 +131,7 @@ class LiveSession final : public SessionObserver {
     EdgeBook edges_;
     FeatureColours colours_;
     HintBook hint_book_;
+    std::vector<Hint> hints_;
     Sparingly hint_pace_, error_pace_;
 
     std::mutex told_mutex_;  // of what follows
@@ -140,7 +145,6 @@ class LiveSession final : public SessionObserver {
     mutable std::mutex mutex_;  // of what follows: held for an answer from what is at hand
     ScenePtr scene_;
     std::vector<ImageFact> facts_;
-    std::vector<Hint> hints_;
     std::string session_;                            // session_json without its last brace
     mutable std::map<std::string, Bytes> sessions_;  // the same for each who asked since
     struct Change {

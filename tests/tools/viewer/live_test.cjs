@@ -98,7 +98,7 @@ run(async (chrome) => {
     // What events do not tell comes once nothing else does: cameras, pairs, which way is up.
     await watcher.waitForFunction(() => window.psfm.session.edges.length > 0 && window.psfm.session.cameras.length > 0, null, { polling: 200, timeout: 30000 });
     check(true, "pairs and cameras have come without a reload");
-    await watcher.evaluate(() => window.psfm.timeline.go(2));
+    await watcher.evaluate(() => window.psfm.timeline.go(0));
     const early = await watcher.evaluate(() => window.psfm.stage.shownPoses().length);
     check(early < IMAGES, `an earlier version had ${early} cameras`);
     await watcher.getByRole("button", { name: "Now" }).click();

@@ -15,6 +15,8 @@ namespace {
 
 /// Format: of what is no terminal: a log grows by some KB an hour.
 constexpr int kSecondsPerLine = 10;
+// Format: a minute of them: a server that waits for photographs for days says no more.
+constexpr int kQuietLines = 6;
 
 }  // namespace
 
@@ -61,7 +63,9 @@ void Progress::tick() {
     for (int second = 0; !over_; ++second) {
         write_run_state(session_, {getpid(), now(), done_, expected_, time_left_.rate(now()),
                                    time_left_.is_settling(), time_left_.seconds(now())});
-        if (!terminal_ && second > 0 && second % kSecondsPerLine == 0) {
+        const bool works = done_ < expected_ || !unsettled_.empty();
+        if (!terminal_ && second > 0 && second % kSecondsPerLine == 0 &&
+            (works || quiet_lines_++ < kQuietLines)) {
             if (std::string next = line(); next != last_line) {
                 say(next);
                 last_line = std::move(next);
@@ -73,6 +77,7 @@ void Progress::tick() {
 
 void Progress::on_publish(const PublishMessage& publish) {
     const std::lock_guard lock(mutex_);
+    quiet_lines_ = 0;
     write_log(publish);
     done_ += publish.images.size();
     if (!publish.images.empty()) settling_ = 0;  // a watched folder goes on after it has settled

@@ -18,9 +18,10 @@
 namespace psfm {
 
 /// Shows a running session on stderr: one line that is rewritten with counts, rate and time left
-/// when stderr is a terminal, and a line every ten seconds in which something has happened when it
-/// is none; rejected photographs and changes of the model on lines of their own in any case.
-/// Writes the log, too, and the note that `psfm status` finds in the session.
+/// when stderr is a terminal, and a line every ten seconds when it is none, until nothing is left
+/// to do and nothing has happened for a minute; rejected photographs and changes of the model on
+/// lines of their own in any case. Writes the log, too, and the note that `psfm status` finds in
+/// the session.
 class Progress final : public SessionObserver {
   public:
     /// @param expected  photographs that this run will look at; 0: unknown (a watched folder)
@@ -52,6 +53,7 @@ class Progress final : public SessionObserver {
     bool log_is_behind_ = false;
     bool terminal_;
     bool line_open_ = false;
+    int quiet_lines_ = 0;  // since something was published
     std::size_t done_ = 0;
     std::size_t settling_ = 0;  // models, of the last time that some began to
     std::map<std::uint32_t, std::uint32_t> unsettled_;  // of their clusters: how many images

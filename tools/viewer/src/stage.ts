@@ -12,7 +12,7 @@ const UP_ANGLE = 0.1; // [rad]
 const LEAST_FREE = 0.35; // of the canvas's height, whatever lies over it
 const FEW_POINTS = 30000; // so many are drawn larger
 const FIRST_POINTS = 50000; // of the first picture: the others follow it
-const FRAME_MS = 33; // while one moves: as many points as this allows
+const FRAME_MS = 28; // while one moves: as many points as this allows; the browser needs some for the rest of a frame
 const EDGE_COLOURS: Record<string, number> = { holds: 0x4f86b8, open: 0x8a8f98, implausible: 0xc9882b, apart: 0xc44fc0, contradicts: 0xe0442e };
 
 export interface Picked { cluster: number; slot: number; position: Vec3 }
