@@ -36,6 +36,7 @@ Camera camera_of(const Json& json) {
 DatasetRecord record_of(const Json& json) {
     DatasetRecord record;
     record.settings = json.at("settings").get<std::string>();
+    record.tells_location = json.value("tells_location", true);
     for (const Json& item : json.at("views")) {
         const auto turns = item.at("quarter_turns").get<std::uint8_t>();
         if (turns > 3) throw std::out_of_range("quarter_turns");
@@ -67,7 +68,7 @@ DatasetRecord read_dataset_record(const std::filesystem::path& file) {
 }
 
 std::string dataset_record_text(const DatasetRecord& record) {
-    Json json{{"settings", record.settings}};
+    Json json{{"settings", record.settings}, {"tells_location", record.tells_location}};
     json["views"] = Json::array();
     for (const UndistortedView& view : record.views) {
         json["views"].push_back(Json{{"photo", json_of(view.photo)},

@@ -26,6 +26,7 @@ struct DatasetRecord {
     std::string settings;  ///< everything else that shapes pictures, as one line
     std::vector<UndistortedView> views;
     std::map<std::string, Picture> pictures;  ///< by file name
+    bool tells_location = true;  ///< files beside the models say where on the earth they stand
 
     bool operator==(const DatasetRecord&) const = default;
 };

@@ -78,6 +78,7 @@ TEST(DatasetRecord, IsReadAsItWasWritten) {
     test::TemporaryFolder folder;
     DatasetRecord record;
     record.settings = "quality 95";
+    record.tells_location = false;
     record.views = dataset_of(test::example_model(3, 3, 1)).views;
     record.pictures["a.jpg"] = {1, 0xfedcba9876543210U, 6, 12345};
     const auto file = folder.path() / kDatasetRecordName;

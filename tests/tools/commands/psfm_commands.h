@@ -13,13 +13,14 @@
 
 namespace psfm::test {
 
-/// `psfm ARGUMENTS` within the test's own process: run and export. @return its exit code
+/// `psfm ARGUMENTS` within the test's own process: run, export and report. @return its exit code
 inline int psfm_command(std::vector<std::string> arguments) {
     CLI::App app{"psfm"};
     app.require_subcommand(1);
     int exit_code = 0;
     add_run_command(app, exit_code);
     add_export_command(app, exit_code);
+    add_report_command(app, exit_code);
     std::ranges::reverse(arguments);
     try {
         app.parse(arguments);

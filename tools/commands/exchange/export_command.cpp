@@ -184,7 +184,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
             {parts.size(), &model, floats ? float_origin(model) : Eigen::Vector3d::Zero()});
         options.up.push_back(up_in_model(model, known, reference.has_value()));
     }
-    options.geo_files = geo_files(reference, parts, known);
+    if (!arguments.dataset.no_location) options.geo_files = geo_files(reference, parts, known);
     const auto config = decode_config(settings->settings_json);
     const bool colmap = *format == ExportFormat::kColmap || *format == ExportFormat::kColmapText;
     if (!config.ok()) {
@@ -201,7 +201,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     const auto written = write_models(*models, *format, arguments.output, options);
     if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);
     print_summary(*models, *format, *written);
-    if (reference)
+    if (!options.geo_files.empty())
         std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;
     if (const std::string trouble = position_trouble(reference, *models, known); !trouble.empty())
         std::cerr << "psfm: " << trouble << '\n';
@@ -238,6 +238,8 @@ void add_export_command(CLI::App& app, int& exit_code) {
         ->type_name("N");
     command->add_flag("--points-only", arguments->points_only,
                       "--format ply without the camera centres, which splatting would begin with");
+    command->add_flag("--no-location", arguments->dataset.no_location,
+                      "not where on the earth the models stand: for one to give away");
     add_dataset_options(*command, arguments->dataset);
     command->footer(
         "One model an effective cluster, largest first:\n"
@@ -255,7 +257,7 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "matches,\n"
         "                       for `colmap mapper` and its friends\n"
         "Where photographs have GPS positions, OUTPUT/geo.txt tells where on the earth models "
-        "stand.\n"
+        "stand; not with --no-location.\n"
         "An earlier export in the same folder is replaced as a whole, of whatever format it is;\n"
         "other files there are left alone, and nothing is written through links.\n"
         "\n"

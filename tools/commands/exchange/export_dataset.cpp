@@ -97,7 +97,8 @@ DatasetPictureOptions picture_options(const DatasetArguments& arguments) {
 DatasetArguments as_before(DatasetArguments asked, const std::filesystem::path& output) {
     const DatasetArguments defaults;
     const std::filesystem::path place = asked.part ? output : output / "0";
-    const auto before = settings_of(read_dataset_record(place / kDatasetRecordName));
+    const DatasetRecord record = read_dataset_record(place / kDatasetRecordName);
+    const auto before = settings_of(record);
     if (!before) return asked;
     if (asked.reductions.empty()) asked.reductions = before->picture.reductions;
     if (asked.max_size == defaults.max_size) asked.max_size = before->view.max_size;
@@ -106,6 +107,7 @@ DatasetArguments as_before(DatasetArguments asked, const std::filesystem::path& 
         asked.jpeg_quality = before->picture.jpeg_quality;
     asked.off_centre = asked.off_centre || !before->view.centred;
     asked.masks = asked.masks || before->picture.masks;
+    asked.no_location = asked.no_location || !record.tells_location;
     return asked;
 }
 
@@ -220,6 +222,7 @@ class DatasetExport {
         if (auto staged = stage_dataset(undistorted, place, options_.picture.masks, files_);
             !staged.ok())
             return of_output(staged.error());
+        plan->record.tells_location = !arguments_.no_location;
         records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
         for (std::size_t i = 0; i < planned.size(); ++i) {
             if (!planned[i] || plan->images[i]) continue;
@@ -253,6 +256,8 @@ class DatasetExport {
         const auto known =
             images.first(std::min<std::size_t>(contents_.scene.image_count, images.size()));
         const auto reference = world_reference_of(contents_.models, known);
+        trouble_ = position_trouble(reference, contents_.models, known);
+        if (arguments_.no_location) return std::nullopt;
         for (const auto& [name, text] : geo_files(reference, parts_, known)) {
             const std::filesystem::path path = output_ / name;
             if (auto ours = previous_.claim(path); !ours.ok()) return of_output(ours.error());
@@ -262,7 +267,6 @@ class DatasetExport {
         }
         if (reference)
             summary_.push_back((output_ / "geo.txt").string() + ": " + describe(*reference));
-        trouble_ = position_trouble(reference, contents_.models, known);
         return std::nullopt;
     }
 

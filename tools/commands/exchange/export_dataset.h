@@ -16,7 +16,7 @@ namespace psfm {
 /// The format's name on the command line.
 inline constexpr const char* kDatasetFormat = "dataset";
 
-/// The options of `export` that are a data set's alone.
+/// The options of `export` that are a data set's, most of them its alone.
 struct DatasetArguments {
     std::vector<std::string> images;    ///< folders of the photographs; empty: the session's
     std::optional<std::uint32_t> part;  ///< only this one, into the output folder itself
@@ -31,6 +31,7 @@ struct DatasetArguments {
     bool masks = false;
     std::string mask_folder;  ///< empty: the session's
     int threads = 0;
+    bool no_location = false;  ///< no geo_files.h; an option of all formats
 };
 
 /// @param arguments  filled when the command line is parsed; outlives that
