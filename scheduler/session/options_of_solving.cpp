@@ -170,6 +170,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.doubt.contested, 0, 1000, "what a model denies across a cut, over what it explains there, from which it is doubtful", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.companions, 0, kCount, "images that stand about one, and see nothing of a missing region either", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.few_shared, 0, kCount, "points below which a pair shares next to nothing", "verification.verify.min_inliers"),
+    PSFM_OPTION(solve.doubt.min_contest, 0, 1000, "a cut that holds is tried where the model denies so much, over what it explains", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.held, 0, 1, "and from which the parts are one thing", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.less_explained, 0, 1, "part of the observations that a model has where less is missing", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.doubt.max_angle_deg, 0.01, 89, "directions from which a point is found again [deg]", "ours; docs/look-alikes.md"),

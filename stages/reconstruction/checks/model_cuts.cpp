@@ -132,7 +132,9 @@ std::vector<Cut> cuts_of(const Judged& judged, const DoubtOptions& options) {
 
 std::vector<Cut> cuts_to_try(const Judged& judged, const DoubtOptions& options) {
     std::vector<Cut> cuts = cuts_of(judged, options);
-    std::erase_if(cuts, [](const Cut& cut) { return cut.denied == 0.0; });
+    std::erase_if(cuts, [&](const Cut& cut) {
+        return cut.denied == 0.0 || (is_held(cut, options) && cut.contest() < options.min_contest);
+    });
     std::ranges::stable_sort(cuts, std::ranges::greater(), &Cut::promise);
     if (cuts.size() > options.max_cuts) cuts.resize(options.max_cuts);
     return cuts;

@@ -57,5 +57,26 @@ TEST(InParts, EachIsJudgedAlone) {
     EXPECT_TRUE(apart->score.is_doubted());
 }
 
+/// Of 100 points that are seen from both sides of a third image, 80 are shared by images of one
+/// half, and so many by images of both. An edge between the outermost images is denied.
+std::vector<Cut> tried_cuts(std::uint32_t shared_across, double relative) {
+    Judged model = judged(4);
+    for (const ComparedPair& pair : model.compared) {
+        const bool is_across = pair.first < kLeft && pair.second >= kLeft;
+        model.between.push_back({pair.first, pair.second, 100, is_across ? shared_across : 80});
+    }
+    model.edges.push_back({0, kImages - 1, nullptr, 0.0, relative, 1.0, false});
+    return cuts_to_try(model, {});
+}
+
+TEST(CutsToTry, AreThoseWithAnotherExplanation) {
+    EXPECT_TRUE(cuts_to_try(judged(4), {}).empty()) << "nothing would join the halves again";
+    EXPECT_TRUE(tried_cuts(80, 0.05).empty()) << "they hold, and next to nothing would";
+    EXPECT_FALSE(tried_cuts(80, 0.5).empty());
+    const auto cuts = tried_cuts(40, 0.05);
+    ASSERT_FALSE(cuts.empty()) << "they do not hold";
+    EXPECT_EQ(cuts.front().images, kLeft) << "most is missing between the halves";
+}
+
 }  // namespace
 }  // namespace psfm
