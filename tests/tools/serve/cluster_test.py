@@ -4,8 +4,8 @@
 """Users who send photographs in pieces while many watch, and a server that is killed in the middle of it: every
 acknowledged photograph is in the session exactly once, and every watcher has what a snapshot has.
 usage: cluster_test.py BUILD [--photos FOLDER] [--users N] [--each N] [--watchers N] [--kills N] [--piece BYTES]
-                       [--keep FOLDER]
-By hand: cluster_test.py build/release --photos QUAD_STREAMS/images --each 75 --watchers 50"""
+                       [--browser] [--keep FOLDER]
+By hand: cluster_test.py build/release --photos QUAD_STREAMS/images --each 75 --watchers 50 --browser"""
 import argparse
 import json
 import os
@@ -20,6 +20,8 @@ from pathlib import Path
 
 from server import API, Server, sha
 
+SKIPPED = 77  # of browser.cjs: there is no Chromium
+
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -30,6 +32,7 @@ def arguments():
     parser.add_argument("--watchers", type=int, default=16)
     parser.add_argument("--kills", type=int, default=3)
     parser.add_argument("--piece", type=int, default=20000, help="bytes of a request")
+    parser.add_argument("--browser", action="store_true", help="a page in Chromium watches, too; NODE_PATH as for viewer.live")
     parser.add_argument("--keep", type=Path, help="new folder: session, log and what the servers said stay there")
     return parser.parse_args()
 
@@ -44,6 +47,19 @@ def free_port():
                 return port
             except OSError:
                 port += 1
+
+
+def part(values, share):
+    return round(values[min(len(values) - 1, int(share * len(values)))], 3) if values else None
+
+
+def shown_by(page):
+    """What an open page has to say at its end."""
+    said = page.communicate()[0]
+    if page.returncode == SKIPPED:
+        print(said.strip())
+        sys.exit(SKIPPED)
+    return json.loads(said)
 
 
 class Cluster:
@@ -151,6 +167,7 @@ class Cluster:
         self.start()
         watching = subprocess.Popen([asked.build / "tests/tools/serve/psfm-watch-server", str(self.port), str(asked.watchers), look],
                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        page = self.open_page(look) if asked.browser else None
         threads = [threading.Thread(target=self.send, args=(i, tokens[i], stream)) for i, stream in enumerate(streams)]
         threads += [threading.Thread(target=self.ask_for_status, args=(look,)), threading.Thread(target=self.follow_log)]
         try:
@@ -168,9 +185,15 @@ class Cluster:
             self.over = True
             for thread in threads:
                 thread.join()
+            shown = shown_by(page) if page else None
             watched = json.loads(watching.communicate()[0])
             code = self.end(signal.SIGTERM) if self.server.process.poll() is None else None
-        self.judge(total, watched, code, time.time() - began)
+        self.judge(total, watched, shown, code, time.time() - began)
+
+    def open_page(self, token):
+        script = Path(__file__).parent.parent / "viewer/follow.cjs"
+        return subprocess.Popen(["node", script, self.asked.build, f"http://127.0.0.1:{self.port}/#token={token}"],
+                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def wait_until_settled(self, total, look):
         """All have come, and for six seconds neither counts change nor does the server do anything to speak of."""
@@ -183,24 +206,28 @@ class Cluster:
             quiet = quiet + 1 if is_idle and counts["images"] + counts["rejected"] >= total else 0
             before, worked = counts, seconds
 
-    def judge(self, total, watched, code, seconds):
+    def delays(self, told):
+        """How long after the engine's commit states and versions were told: median and 95th percentile [s]."""
+        late = sorted(min(at for at, last in told["versions"] if last >= version) - when
+                      for version, when in self.committed.items()
+                      if isinstance(version, int) and any(last >= version for _, last in told["versions"]))
+        states = sorted(at - self.committed[name] for name, at in told["images"].items() if name in self.committed)
+        return {"states_after_seconds": {"median": part(states, 0.5), "p95": part(states, 0.95)},
+                "versions_after_seconds": {"median": part(late, 0.5), "p95": part(late, 0.95)}}
+
+    def judge(self, total, watched, shown, code, seconds):
         status = json.loads(self.psfm("status", "--session", self.session, "--json"))
         names = sorted(image["name"] for image in status["image_list"])
         self.psfm("export", "--session", self.session, "--format", "gltf", "--output", self.folder / "gltf")
         gltf = sum(file.stat().st_size for file in (self.folder / "gltf").rglob("*") if file.is_file())
         watchers = watched["watchers"]
-        late = sorted(min(at for at, told in watched["versions"] if told >= version) - when
-                      for version, when in self.committed.items()
-                      if isinstance(version, int) and any(told >= version for _, told in watched["versions"]))
-        states = sorted(at - self.committed[name] for name, at in watched["images"].items() if name in self.committed)
         took = sorted(self.status_seconds)
-        part = lambda values, share: round(values[min(len(values) - 1, int(share * len(values)))], 3) if values else None
         print(json.dumps({
             "photographs": total, "seconds": round(seconds, 1), "placed": status["placed"], "refusals": self.refusals,
+            "parts": status["effective_clusters"],
             "server_processor_seconds": round(self.processor, 1), "status_requests": len(took),
-            "status_seconds": {"median": part(took, 0.5), "p99": part(took, 0.99)},
-            "states_after_seconds": {"median": part(states, 0.5), "p95": part(states, 0.95)},
-            "versions_after_seconds": {"median": part(late, 0.5), "p95": part(late, 0.95)},
+            "status_seconds": {"median": part(took, 0.5), "p99": part(took, 0.99)}, **self.delays(watched),
+            "browser": {**self.delays(shown), "listed": shown["listed"]} if shown else None,
             "watchers": len(watchers), "points": watchers[0]["points"], "changes": watchers[0]["changes"],
             "snapshots": watchers[0]["scenes"], "watcher_bytes": watchers[0]["bytes"], "gltf_bytes": gltf,
             "load": os.getloadavg()[0]}, indent=1))
@@ -210,6 +237,7 @@ class Cluster:
         assert [one["difference"] for one in watchers] == [""] * self.asked.watchers, watchers
         assert all(one["points"] > 0 for one in watchers), "there is nothing to see"
         assert self.asked.kills == 0 or all(one["breaks"] > 0 for one in watchers), "the kills were not noticed"
+        assert shown is None or (shown["difference"], shown["problems"], shown["listed"]) == ("", [], total), shown
         assert code == 0
 
 

@@ -5,14 +5,13 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Frusta, lines } from "./cameras";
 import { ColourMode, PointCloud } from "./points";
+import { DetailLevel } from "./detail_level";
 import { Camera, Edge } from "./source";
 import { Model, Quat, Vec3, WorldPose, conjugate, moved, rotate, worldPoses } from "./wire";
 
 const UP_ANGLE = 0.1; // [rad]
 const LEAST_FREE = 0.35; // of the canvas's height, whatever lies over it
 const FEW_POINTS = 30000; // so many are drawn larger
-const FIRST_POINTS = 50000; // of the first picture: the others follow it
-const FRAME_MS = 28; // while one moves: as many points as this allows; the browser needs some for the rest of a frame
 const EDGE_COLOURS: Record<string, number> = { holds: 0x4f86b8, open: 0x8a8f98, implausible: 0xc9882b, apart: 0xc44fc0, contradicts: 0xe0442e };
 
 export interface Picked { cluster: number; slot: number; position: Vec3 }
@@ -35,8 +34,8 @@ export class Stage {
   private shifts = new Map<number, Vec3>(); // by part
   private poses: WorldPose[] = [];
   private wanted = false;
-  private share = 0; // of the points that are drawn; 0: none ever was
-  private moving = 0; // until when [ms]
+  private readonly detail = new DetailLevel();
+  private later = 0; // a frame that draws what the last one has left out
   private selected = new Set<number>();
   private replayed: Map<number, { q: Quat; centre: Vec3 }> | null = null;
   private placedAt: ReadonlyMap<number, number> | null = null;
@@ -67,7 +66,7 @@ export class Stage {
     controls.zoomToCursor = true;
     controls.addEventListener("change", () => {
       this.camera.updateMatrixWorld(); // what is picked does not wait for a frame
-      this.moving = performance.now() + 250;
+      this.detail.move();
       this.draw();
     });
     return controls;
@@ -119,6 +118,11 @@ export class Stage {
 
   setEdges(edges: Edge[]): void { this.edgeList = edges; this.drawEdges(); this.draw(); }
 
+  /** The same, of a model that goes on changing. */
+  follow(): void {
+    this.detail.change();
+    this.refresh();
+  }
   /** Takes account of what the model has become. */
   refresh(): void {
     for (const [id, cloud] of this.clouds) {
@@ -367,25 +371,20 @@ export class Stage {
   }
   private frame(): void {
     this.wanted = false;
-    const start = performance.now(), isMoving = start < this.moving;
-    if (this.share === 0 && this.clouds.size > 0) this.share = Math.min(1, FIRST_POINTS / Math.max(1, this.points()));
-    else if (!isMoving) this.share = Math.min(1, this.share * 2);
+    const start = performance.now(), budget = this.detail.begin(this.points());
     this.drawn = 0;
     for (const cloud of this.clouds.values()) {
       cloud.set(this.mode, this.sizeOfPoints() * this.renderer.getPixelRatio(), this.time);
-      this.drawn += cloud.draw(this.share);
+      this.drawn += cloud.draw(this.detail.share);
     }
-    if (!isMoving && this.frusta.hang(this.camera, this.canvas.clientHeight)) this.draw();
+    if (!this.detail.isMoving && this.frusta.hang(this.camera, this.canvas.clientHeight)) this.draw();
     this.renderer.render(this.world, this.camera);
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // else only the queueing is timed
     this.frameMs = performance.now() - start;
-    if (isMoving) {
-      if (this.share > 0) this.share = Math.min(1, Math.max(0.01, this.share * Math.min(1.5, Math.max(0.3, FRAME_MS / Math.max(this.frameMs, 1)))));
-      setTimeout(() => this.draw(), 260); // what was left out is drawn when one stands still
-    } else if (this.share > 0 && this.share < 1) {
-      this.draw();
-    }
+    const again = this.detail.end(budget, this.frameMs);
+    clearTimeout(this.later);
+    if (again === 0) this.draw(); else if (again !== null) this.later = window.setTimeout(() => this.draw(), again);
   }
 }
 
