@@ -53,11 +53,12 @@ def part(values, share):
     return round(values[min(len(values) - 1, int(share * len(values)))], 3) if values else None
 
 
-def shown_by(page):
+def shown_by(page, end_server):
     """What an open page has to say at its end."""
     said = page.communicate()[0]
     if page.returncode == SKIPPED:
         print(said.strip())
+        end_server()
         sys.exit(SKIPPED)
     return json.loads(said)
 
@@ -185,7 +186,7 @@ class Cluster:
             self.over = True
             for thread in threads:
                 thread.join()
-            shown = shown_by(page) if page else None
+            shown = shown_by(page, lambda: self.end(signal.SIGTERM)) if page else None
             watched = json.loads(watching.communicate()[0])
             code = self.end(signal.SIGTERM) if self.server.process.poll() is None else None
         self.judge(total, watched, shown, code, time.time() - began)
