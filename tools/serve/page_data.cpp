@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Arrays of what there is much of, as text: a tree of all edges takes ten times as long.
+// Arrays of what there is much of, as text, without a tree of them.
 
 std::string images_text(const PageSession& session) {
     std::string text = "[";

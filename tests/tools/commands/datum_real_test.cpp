@@ -124,7 +124,7 @@ TEST(DatumReal, OneWrongFixDoesNotCarryTheFrameAway) {
     say({"export", "--session", session, "--format", "dataset", "--output", data.string()});
     EXPECT_EQ(places_in(data), 3);
 
-    // A report has positions when asked for them only; the page in one file has none.
+    // A report has positions when asked for them only.
     const fs::path page = folder.path() / "page.html", facts = folder.path() / "facts.json";
     std::vector<std::string> report{"report",      "--session", session,       "--output",
                                     page.string(), "--json",    facts.string()};

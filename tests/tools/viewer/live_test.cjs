@@ -50,6 +50,15 @@ run(async (chrome) => {
       return sum(fresh) === sum(window.psfm.model);
     });
     check(equal, "changes one by one make the same as the snapshot");
+    const few = await watcher.evaluate(async () => {
+      const { stage } = window.psfm;
+      stage.detail.share = 0.02; // as where drawing is slow
+      stage.follow();
+      await new Promise((ended) => requestAnimationFrame(() => requestAnimationFrame(ended)));
+      return stage.drawn;
+    });
+    await watcher.waitForFunction((n) => window.psfm.stage.drawn > n && window.psfm.stage.drawn === window.psfm.stage.points(), few, { polling: 100, timeout: 10000 });
+    check(true, `after ${few} points all are drawn`);
     await watcher.locator(".row").first().click();
     await watcher.waitForFunction(() => document.querySelector(".picture img")?.naturalWidth > 0, null, { polling: 200, timeout: 30000 });
     check(true, "a photograph is shown with its features");

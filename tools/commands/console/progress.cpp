@@ -63,7 +63,7 @@ void Progress::tick() {
     for (int second = 0; !over_; ++second) {
         write_run_state(session_, {getpid(), now(), done_, expected_, time_left_.rate(now()),
                                    time_left_.is_settling(), time_left_.seconds(now())});
-        const bool works = done_ < expected_ || !unsettled_.empty();
+        const bool works = expected_ > 0 || !unsettled_.empty();
         if (!terminal_ && second > 0 && second % kSecondsPerLine == 0 &&
             (works || quiet_lines_++ < kQuietLines)) {
             if (std::string next = line(); next != last_line) {

@@ -18,10 +18,10 @@
 namespace psfm {
 
 /// Shows a running session on stderr: one line that is rewritten with counts, rate and time left
-/// when stderr is a terminal, and a line every ten seconds when it is none, until nothing is left
-/// to do and nothing has happened for a minute; rejected photographs and changes of the model on
-/// lines of their own in any case. Writes the log, too, and the note that `psfm status` finds in
-/// the session.
+/// when stderr is a terminal, and a line every ten seconds when it is none, where photographs are
+/// waited for until nothing has happened for a minute; rejected photographs and changes of the
+/// model on lines of their own in any case. Writes the log, too, and the note that `psfm status`
+/// finds in the session.
 class Progress final : public SessionObserver {
   public:
     /// @param expected  photographs that this run will look at; 0: unknown (a watched folder)

@@ -118,7 +118,7 @@ export class Stage {
 
   setEdges(edges: Edge[]): void { this.edgeList = edges; this.drawEdges(); this.draw(); }
 
-  /** The same, of a model that goes on changing. */
+  /** refresh() of a model that goes on changing: not all of its points at once. */
   follow(): void {
     this.detail.change();
     this.refresh();
