@@ -124,6 +124,21 @@ TEST(DatumReal, OneWrongFixDoesNotCarryTheFrameAway) {
     say({"export", "--session", session, "--format", "dataset", "--output", data.string()});
     EXPECT_EQ(places_in(data), 3);
 
+    // Where users have sent photographs, their places are told when asked for only.
+    std::ofstream(fs::path(session) / "uploads.log") << "{}\n";
+    std::vector<std::string> again{"export", "--session", session,        "--format",
+                                   "ply",    "--output",  output.string()};
+    testing::internal::CaptureStderr();
+    say(again);
+    const std::string hint = testing::internal::GetCapturedStderr();
+    EXPECT_NE(hint.find("--share-location"), std::string::npos) << hint;
+    EXPECT_EQ(places_in(output), 0);
+    again.emplace_back("--share-location");
+    say(again);
+    EXPECT_EQ(places_in(output), 3);
+    say({"export", "--session", session, "--format", "dataset", "--output", data.string()});
+    EXPECT_EQ(places_in(data), 0);
+
     // A report has positions when asked for them only.
     const fs::path page = folder.path() / "page.html", facts = folder.path() / "facts.json";
     std::vector<std::string> report{"report",      "--session", session,       "--output",

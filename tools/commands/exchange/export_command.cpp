@@ -184,7 +184,9 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
             {parts.size(), &model, floats ? float_origin(model) : Eigen::Vector3d::Zero()});
         options.up.push_back(up_in_model(model, known, reference.has_value()));
     }
-    if (!arguments.dataset.no_location) options.geo_files = geo_files(reference, parts, known);
+    const std::optional<bool> share = arguments.dataset.share_location;
+    const bool tells = tells_location(arguments.session, share);
+    if (tells) options.geo_files = geo_files(reference, parts, known);
     const auto config = decode_config(settings->settings_json);
     const bool colmap = *format == ExportFormat::kColmap || *format == ExportFormat::kColmapText;
     if (!config.ok()) {
@@ -205,6 +207,8 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
         std::cout << arguments.output << "/geo.txt: " << describe(*reference) << '\n' << std::flush;
     if (const std::string trouble = position_trouble(reference, *models, known); !trouble.empty())
         std::cerr << "psfm: " << trouble << '\n';
+    if (const std::string hint = tells ? "" : location_hint(reference, share); !hint.empty())
+        std::cerr << "psfm: " << hint << '\n';
     if (*format == ExportFormat::kNerfstudio)
         tell_photographs_elsewhere(*models, options.photo_folder);
     return 0;
@@ -238,8 +242,15 @@ void add_export_command(CLI::App& app, int& exit_code) {
         ->type_name("N");
     command->add_flag("--points-only", arguments->points_only,
                       "--format ply without the camera centres, which splatting would begin with");
-    command->add_flag("--no-location", arguments->dataset.no_location,
-                      "not where on the earth the models stand: for one to give away");
+    CLI::Option* share = command->add_flag_callback(
+        "--share-location", [arguments] { arguments->dataset.share_location = true; },
+        "say where on the earth the models stand, even if users have sent photographs to the "
+        "session");
+    command
+        ->add_flag_callback(
+            "--no-location", [arguments] { arguments->dataset.share_location = false; },
+            "do not say it, even if nobody has")
+        ->excludes(share);
     add_dataset_options(*command, arguments->dataset);
     command->footer(
         "One model an effective cluster, largest first:\n"
@@ -257,7 +268,8 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "matches,\n"
         "                       for `colmap mapper` and its friends\n"
         "Where photographs have GPS positions, OUTPUT/geo.txt tells where on the earth models "
-        "stand; not with --no-location.\n"
+        "stand,\n"
+        "unless users of `psfm serve` have sent some: then with --share-location only.\n"
         "An earlier export in the same folder is replaced as a whole, of whatever format it is;\n"
         "other files there are left alone, and nothing is written through links.\n"
         "\n"

@@ -107,7 +107,7 @@ DatasetArguments as_before(DatasetArguments asked, const std::filesystem::path& 
         asked.jpeg_quality = before->picture.jpeg_quality;
     asked.off_centre = asked.off_centre || !before->view.centred;
     asked.masks = asked.masks || before->picture.masks;
-    asked.no_location = asked.no_location || !record.tells_location;
+    if (!asked.share_location) asked.share_location = record.tells_location;
     return asked;
 }
 
@@ -161,7 +161,9 @@ class DatasetExport {
             std::cerr << "left out " << counted(left_out_.size() - kShown, "more photograph")
                       << '\n';
         }
-        if (!trouble_.empty()) std::cerr << "psfm: " << trouble_ << '\n';
+        for (const std::string& remark : {trouble_, hint_}) {
+            if (!remark.empty()) std::cerr << "psfm: " << remark << '\n';
+        }
         for (const std::string& line : summary_) std::cout << line << '\n';
         std::cout << std::flush;
     }
@@ -222,7 +224,7 @@ class DatasetExport {
         if (auto staged = stage_dataset(undistorted, place, options_.picture.masks, files_);
             !staged.ok())
             return of_output(staged.error());
-        plan->record.tells_location = !arguments_.no_location;
+        plan->record.tells_location = tells_location(contents_.session, arguments_.share_location);
         records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
         for (std::size_t i = 0; i < planned.size(); ++i) {
             if (!planned[i] || plan->images[i]) continue;
@@ -257,7 +259,10 @@ class DatasetExport {
             images.first(std::min<std::size_t>(contents_.scene.image_count, images.size()));
         const auto reference = world_reference_of(contents_.models, known);
         trouble_ = position_trouble(reference, contents_.models, known);
-        if (arguments_.no_location) return std::nullopt;
+        if (!tells_location(contents_.session, arguments_.share_location)) {
+            hint_ = location_hint(reference, arguments_.share_location);
+            return std::nullopt;
+        }
         for (const auto& [name, text] : geo_files(reference, parts_, known)) {
             const std::filesystem::path path = output_ / name;
             if (auto ours = previous_.claim(path); !ours.ok()) return of_output(ours.error());
@@ -301,6 +306,7 @@ class DatasetExport {
     std::vector<GeoPart> parts_;
     std::vector<std::string> left_out_;
     std::string trouble_;
+    std::string hint_;
     std::vector<std::string> summary_;
 };
 

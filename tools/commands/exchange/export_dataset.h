@@ -31,7 +31,7 @@ struct DatasetArguments {
     bool masks = false;
     std::string mask_folder;  ///< empty: the session's
     int threads = 0;
-    bool no_location = false;  ///< no geo_files.h; an option of all formats
+    std::optional<bool> share_location;  ///< geo_files.h; an option of all formats
 };
 
 /// @param arguments  filled when the command line is parsed; outlives that

@@ -13,6 +13,7 @@
 #include "storage/exchange/models/export_models.h"
 #include "tools/commands/exchange/geo_report.h"
 #include "tools/report/json_text.h"
+#include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {
 namespace {
@@ -129,6 +130,17 @@ std::map<std::string, std::string> geo_files(const std::optional<WorldReference>
     return {{"geo.txt", geo_text(*reference)},
             {"georeference.json", georeference_json(*reference, parts, images)},
             {"shots.geojson", shots_geojson(*reference, parts)}};
+}
+
+bool tells_location(const std::filesystem::path& session, std::optional<bool> asked) {
+    return asked.value_or(!SentPhotographs(session).has_any());
+}
+
+std::string location_hint(const std::optional<WorldReference>& reference,
+                          std::optional<bool> asked) {
+    if (!reference || asked) return "";
+    return "users have sent photographs to this session, so it is not said where on the earth it "
+           "stands; --share-location says it";
 }
 
 std::string position_trouble(const std::optional<WorldReference>& reference,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
@@ -25,14 +26,21 @@ struct GeoPart {
 
 /// The files beside models that tell where on the earth these stand, by name (docs/exports.md):
 ///   geo.txt            the datum and each part's agreement, as lines of names and values
-///   georeference.json  datum, world to earth-centred coordinates (4x4), accuracy and origin of
-///   each
-///                      part, position and residual of each image
+///   georeference.json  datum, world to earth-centred coordinates (4x4), accuracy and origin
+///                      of each part, position and residual of each image
 ///   shots.geojson      a point for each placed photograph, with ODM's properties
 /// Empty without a reference.
 std::map<std::string, std::string> geo_files(const std::optional<WorldReference>& reference,
                                              std::span<const GeoPart> parts,
                                              std::span<const Image> images);
+
+/// Whether an export of a session says so: as asked; else unless users have sent photographs to it
+/// (`psfm serve`), since where they were is theirs to tell.
+bool tells_location(const std::filesystem::path& session, std::optional<bool> asked);
+/// How one has it said where it is not and nobody asked, without a line end; empty without a
+/// reference.
+std::string location_hint(const std::optional<WorldReference>& reference,
+                          std::optional<bool> asked);
 
 /// What is wrong with positions, in words without a line end: that the models do not agree with
 /// them, or which are far from where their photographs stand. Empty: nothing, or there are none.

@@ -16,6 +16,9 @@ class SentPhotographs {
     explicit SentPhotographs(const std::filesystem::path& session)
         : log_(session / "uploads.log") {}
 
+    /// Whether they have sent any, those included that were removed since.
+    bool has_any() const { return std::filesystem::exists(log_); }
+
     std::optional<PhotographOrigin> operator()(const std::string& name);
 
   private:
