@@ -21,15 +21,19 @@ function take_notes() {
 
 /** In the page: what it has and the snapshot has not, or the other way round; empty: nothing. */
 async function difference() {
+  const NOWHERE = 0xffffffff, EXACT = 5e-4, mean = (values) => values.reduce((sum, x) => sum + x, 0) / values.length;
   const { model, source } = window.psfm, fresh = new model.constructor();
   fresh.apply(await source.scene());
   const of = (one) => JSON.stringify([...one.clusters.values()].sort((a, b) => a.id - b.id).map((c) => [c.id, c.part, c.count, c.poses.size]));
   if (of(fresh) !== of(model)) return `${of(model)} instead of ${of(fresh)}`;
   for (const cluster of fresh.clusters.values()) {
-    const shown = model.clusters.get(cluster.id);
-    for (let i = 0; i < 3 * cluster.slots; ++i) {
-      const there = cluster.born[Math.floor(i / 3)] !== 0xffffffff;
-      if (there && Math.abs(cluster.positions[i] - shown.positions[i]) > 1e-3 * (1 + Math.abs(cluster.positions[i]))) return `a point of cluster ${cluster.id} lies elsewhere`;
+    const shown = model.clusters.get(cluster.id), middle = [0, 1, 2].map((axis) => mean([...cluster.poses.values()].map((pose) => pose.centre[axis])));
+    const extent = Math.max(...[...cluster.poses.values()].map((pose) => Math.hypot(...pose.centre.map((x, axis) => x - middle[axis]))));
+    for (let slot = 0; slot < cluster.slots; ++slot) {
+      if (cluster.born[slot] === NOWHERE) continue;
+      const [there, here] = [cluster, shown].map((one) => one.positions.subarray(3 * slot, 3 * slot + 3));
+      const away = Math.hypot(...there.map((x, axis) => x - middle[axis])); // far points are told in larger steps
+      if (Math.hypot(...there.map((x, axis) => x - here[axis])) > EXACT * Math.max(extent, away)) return `a point of cluster ${cluster.id} lies elsewhere`;
     }
   }
   return "";

@@ -5,7 +5,7 @@
 const FIRST_POINTS = 50000; // of the first picture: the others follow it
 const MOVING_MS = 26; // of a frame while one moves; the browser needs some for the rest of it
 const CHANGING_MS = 100; // the same while changes come, some twice a second
-const MOVED_MS = 250, CHANGED_MS = 1500; // so long after the last time it is over
+const MOVED_MS = 250, CHANGED_MS = 5000; // so long after the last time it is over
 const LEAST_POINTS = 4000; // so many show the shape of a model of any size
 
 export class DetailLevel {

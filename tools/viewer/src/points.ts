@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The points of one cluster on the graphics card. They lie there in order of their slots, so that a change is
-// uploaded where it is; an index names them in a random order, of which as many are drawn as there is time for.
+// uploaded where it is, since few of many change at a time; an index names them in a random order, of which as many are drawn as there is time for.
 import * as THREE from "three";
 import { Cluster, NOWHERE } from "./wire";
 
@@ -12,7 +12,7 @@ export const LEGENDS: Record<ColourMode, string> = { colour: "", error: "blue 0,
   cluster: "a colour a cluster", user: "a colour a user" };
 
 const VERTEX = `
-attribute vec3 colour; attribute vec2 figures; attribute float born; attribute float user;
+attribute vec4 paint; attribute float track; attribute float born; attribute float user;
 uniform float size; uniform float time; uniform int mode; uniform vec3 own; varying vec3 shade;
 vec3 ramp(float t) { // blue, green, yellow, red: all of them light enough for a dark ground
   t = 3.0 * clamp(t, 0.0, 1.0);
@@ -22,8 +22,9 @@ vec3 ramp(float t) { // blue, green, yellow, red: all of them light enough for a
 vec3 hue(float n) { return 0.55 + 0.45 * cos(6.2831 * (n * 0.618 + vec3(0.0, 0.33, 0.67))); }
 void main() {
   if (born > time) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); gl_PointSize = 0.0; return; }
+  vec3 colour = paint.rgb;
   // Features without a colour (imported ones) are black, which would be nothing on a dark ground.
-  shade = mode == 0 ? (colour == vec3(0.0) ? vec3(0.75, 0.79, 0.83) : colour) : mode == 1 ? ramp(figures.x * 255.0 * 0.02 / 2.0) : mode == 2 ? ramp(log2(figures.y * 255.0 / 2.0 + 0.001) / 4.0) : mode == 3 ? own : hue(user);
+  shade = mode == 0 ? (colour == vec3(0.0) ? vec3(0.75, 0.79, 0.83) : colour) : mode == 1 ? ramp(paint.a * 255.0 * 0.02 / 2.0) : mode == 2 ? ramp(log2(track * 255.0 / 2.0 + 0.001) / 4.0) : mode == 3 ? own : hue(user);
   vec4 at = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * at;
   gl_PointSize = size;
@@ -31,6 +32,9 @@ void main() {
 const FRAGMENT = `varying vec3 shade; void main() { gl_FragColor = vec4(shade, 1.0); }`;
 // Times in the card's floats, which tell them apart: now is later than what no version of a replay has.
 const LATER = 1e9, NOW = 2e9, NEVER = 3e9;
+
+const BLOCK = 1024; // slots that are uploaded together: a call costs more than they
+const MOST_RANGES = 2000; // that wait for a frame; with more than these all is uploaded
 
 export function hueOf(n: number): THREE.Color {
   return new THREE.Color().setHSL((n * 0.618034) % 1, 0.65, 0.6);
@@ -40,9 +44,10 @@ export class PointCloud {
   readonly object: THREE.Points;
   private readonly geometry = new THREE.BufferGeometry();
   private readonly material: THREE.ShaderMaterial;
-  private room = 0;
-  private version = -1;
+  private paint = new Uint8Array(0); // colour and error: cards have no attributes of three bytes, and rewrite those all
   private born = new Float32Array(0); // photographs that had come when each point appeared
+  private user = new Float32Array(0);
+  private readonly order = new Shuffled();
   private placedAt: ReadonlyMap<number, number> | null = null;
   count = 0; // slots
 
@@ -61,48 +66,59 @@ export class PointCloud {
     const c = this.cluster, p = c.place;
     this.object.matrix.compose(new THREE.Vector3(...p.t), new THREE.Quaternion(...p.q), new THREE.Vector3(p.scale, p.scale, p.scale));
     this.object.matrixWorldNeedsUpdate = true;
-    if (this.version === c.version) return;
-    this.version = c.version;
-    const n = c.slots, figures = new Uint8Array(2 * c.born.length), born = this.begins(), user = new Float32Array(c.born.length);
-    for (let i = 0; i < c.born.length; ++i) {
-      figures[2 * i] = c.errors[i];
-      figures[2 * i + 1] = c.tracks[i];
-      user[i] = this.userOf(c.firsts[i]);
-    }
-    if (c.born.length !== this.room) { // a buffer that grows is a new one
-      this.room = c.born.length;
-      this.geometry.dispose();
-      this.attribute("position", c.positions, 3, false);
-      this.attribute("colour", c.colours, 3, true);
-      this.attribute("figures", figures, 2, true);
-      this.attribute("born", born, 1, false);
-      this.attribute("user", user, 1, false);
-    } else {
-      this.refill("position", c.positions);
-      this.refill("colour", c.colours);
-      this.refill("figures", figures);
-      this.refill("born", born);
-      this.refill("user", user);
-    }
-    if (n !== this.count) {
-      this.count = n;
-      this.geometry.setIndex(new THREE.BufferAttribute(shuffled(n), 1));
+    const changed = c.changed;
+    c.changed = [];
+    if (c.born.length !== this.born.length) this.buildFor(c.born.length); // a buffer that grows is a new one
+    else this.refill(changed);
+    if (c.slots === this.count) return;
+    this.count = c.slots;
+    this.order.grow(c.slots);
+    this.geometry.index!.needsUpdate = true;
+  }
+  private buildFor(room: number): void {
+    const c = this.cluster;
+    this.geometry.dispose();
+    this.paint = new Uint8Array(4 * room);
+    this.born = new Float32Array(room);
+    this.user = new Float32Array(room);
+    for (let slot = 0; slot < c.slots; ++slot) this.fill(slot);
+    this.order.makeRoom(room);
+    this.geometry.setIndex(new THREE.BufferAttribute(this.order.values, 1));
+    this.attribute("position", c.positions, 3, false);
+    this.attribute("paint", this.paint, 4, true);
+    this.attribute("track", c.tracks, 1, true);
+    this.attribute("born", this.born, 1, false);
+    this.attribute("user", this.user, 1, false);
+  }
+  private refill(changed: Uint32Array[]): void {
+    const blocks = new Set<number>(), all = Object.values(this.geometry.attributes) as THREE.BufferAttribute[];
+    const take = (slot: number): void => { this.fill(slot); blocks.add(Math.floor(slot / BLOCK)); };
+    for (const slots of changed) slots.forEach(take);
+    for (let slot = this.count; slot < this.cluster.slots; ++slot) take(slot); // those that no point ever was in, too
+    for (const attribute of blocks.size > 0 ? all : []) {
+      for (const block of blocks) attribute.addUpdateRange(block * BLOCK * attribute.itemSize, Math.min(BLOCK, this.born.length - block * BLOCK) * attribute.itemSize);
+      if (attribute.updateRanges.length > MOST_RANGES) upload(attribute); else attribute.needsUpdate = true;
     }
   }
+  private fill(slot: number): void {
+    const c = this.cluster;
+    for (let k = 0; k < 3; ++k) this.paint[4 * slot + k] = c.colours[3 * slot + k];
+    this.paint[4 * slot + 3] = c.errors[slot];
+    this.user[slot] = this.userOf(c.firsts[slot]);
+    this.born[slot] = this.begins(slot);
+  }
   /** The two photographs that saw a point first have to be placed, as well as the replay knows. */
-  private begins(): Float32Array<ArrayBuffer> {
-    const c = this.cluster, at = this.placedAt, born = new Float32Array(c.born.length);
-    for (let i = 0; i < c.born.length; ++i) {
-      const second = c.born[i];
-      born[i] = second === NOWHERE ? NEVER : at ? Math.max(second, at.get(c.firsts[i]) ?? LATER, at.get(second - 1) ?? LATER) : second;
-    }
-    return this.born = born;
+  private begins(slot: number): number {
+    const c = this.cluster, at = this.placedAt, second = c.born[slot];
+    if (second === NOWHERE) return NEVER;
+    return at ? Math.max(second, at.get(c.firsts[slot]) ?? LATER, at.get(second - 1) ?? LATER) : second;
   }
   /** @param placedAt  photographs that had come when each was placed first, of a replay; null: as they came */
   begin(placedAt: ReadonlyMap<number, number> | null): void {
     if (placedAt === this.placedAt) return;
     this.placedAt = placedAt;
-    this.refill("born", this.begins());
+    for (let slot = 0; slot < this.cluster.slots; ++slot) this.born[slot] = this.begins(slot);
+    upload(this.geometry.getAttribute("born") as THREE.BufferAttribute);
   }
   /** Whether a point is seen, now or at the version of so many photographs. */
   shows(slot: number, time: number | null): boolean {
@@ -112,11 +128,6 @@ export class PointCloud {
     const attribute = new THREE.BufferAttribute(array, size, normalised);
     attribute.setUsage(THREE.DynamicDrawUsage);
     this.geometry.setAttribute(name, attribute);
-  }
-  private refill(name: string, array: Float32Array | Uint8Array): void {
-    const attribute = this.geometry.getAttribute(name) as THREE.BufferAttribute;
-    if (attribute.array !== array) (attribute.array as Float32Array).set(array);
-    attribute.needsUpdate = true;
   }
   draw(share: number): number {
     const n = Math.max(Math.min(this.count, 200), Math.floor(this.count * share));
@@ -131,15 +142,30 @@ export class PointCloud {
   dispose(): void { this.geometry.dispose(); this.material.dispose(); }
 }
 
+/** All of it, whatever is asked for before the next frame. */
+function upload(attribute: THREE.BufferAttribute): void {
+  attribute.clearUpdateRanges();
+  attribute.addUpdateRange(0, attribute.array.length);
+  attribute.needsUpdate = true;
+}
+
 /** 0 … n-1 in an order of which every beginning is spread over the whole; the same for equal n. */
-function shuffled(n: number): Uint32Array {
-  const order = new Uint32Array(n);
-  let seed = 12345;
-  for (let i = 0; i < n; ++i) {
-    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
-    const j = seed % (i + 1);
-    order[i] = order[j];
-    order[j] = i;
+class Shuffled {
+  values = new Uint32Array(0);
+  private n = 0;
+  private seed = 12345;
+
+  makeRoom(room: number): void {
+    const before = this.values;
+    this.values = new Uint32Array(room);
+    this.values.set(before);
   }
-  return order;
+  grow(n: number): void {
+    for (; this.n < n; ++this.n) {
+      this.seed = (Math.imul(this.seed, 1664525) + 1013904223) >>> 0;
+      const j = this.seed % (this.n + 1);
+      this.values[this.n] = this.values[j];
+      this.values[j] = this.n;
+    }
+  }
 }

@@ -77,7 +77,7 @@ export class Cluster {
   born = new Uint32Array(0); // NOWHERE: not there
   firsts = new Uint32Array(0); // image of the first observation
   readonly poses = new Map<number, Pose>();
-  version = 0; // counts changes of points
+  changed: Uint32Array[] = []; // slots that changed since who draws them has taken these lists
   constructor(readonly id: number) {}
 
   grow(slots: number): void {
@@ -159,7 +159,7 @@ export class Model {
       to.firsts[at] = from.firsts[slot];
     });
     drop(from, slots);
-    ++to.version;
+    to.changed.push(slots.map((_, i) => first + i));
     for (let n = r.u32(); n > 0; --n) {
       const image = r.u32(), pose = from.poses.get(image);
       if (!pose) continue;
@@ -183,7 +183,7 @@ function readPositions(cluster: Cluster, slots: Uint32Array, r: Reader): void {
     const plane = r.plane(slots.length);
     for (let i = 0; i < slots.length; ++i) cluster.positions[3 * slots[i] + axis] = origin[axis] + plane[i] * step;
   }
-  ++cluster.version;
+  cluster.changed.push(slots);
 }
 function put(cluster: Cluster, r: Reader): void {
   const n = r.u32(), slots = r.ascending(n);
@@ -201,7 +201,7 @@ function move(cluster: Cluster, r: Reader): void {
 }
 function drop(cluster: Cluster, slots: Uint32Array): void {
   for (const slot of slots) cluster.born[slot] = NOWHERE;
-  ++cluster.version;
+  cluster.changed.push(slots);
 }
 function poses(cluster: Cluster, r: Reader): void {
   for (let n = r.u32(); n > 0; --n) {
