@@ -112,6 +112,7 @@ export class Live {
       for (const change of changes) model.apply(change);
     }
     this.wanted = Math.min(this.wanted, model.number);
+    if (changes?.length === 0) return;
     stage.follow();
     if (wasEmpty && model.clusters.size > 0) stage.fit();
     this.viewer.timeline.forget();
