@@ -8,13 +8,13 @@
 
 namespace psfm {
 
-std::string gzipped(std::string_view bytes) {
-    // Format: the largest window of zlib, and its own defaults of memory and level.
+std::string gzipped(std::string_view bytes, GzipEffort effort) {
+    // Format: the largest window of zlib, and its own default of memory.
     constexpr int kWindow = 15 + 16;  // 16: with gzip's header
     constexpr int kMemory = 8;
-    constexpr int kLevel = 6;
+    const int level = effort == GzipEffort::kLeast ? Z_BEST_SPEED : Z_DEFAULT_COMPRESSION;
     z_stream stream{};
-    if (deflateInit2(&stream, kLevel, Z_DEFLATED, kWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    if (deflateInit2(&stream, level, Z_DEFLATED, kWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
         throw std::bad_alloc();
     std::string out(deflateBound(&stream, bytes.size()), '\0');
     // zlib never writes to its input.

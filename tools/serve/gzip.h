@@ -7,8 +7,12 @@
 
 namespace psfm {
 
-/// RFC 1952, level 6; equal bytes for equal input.
-std::string gzipped(std::string_view bytes);
+/// What many get wants more effort than what one does: kLeast takes a fifth of the time for a fifth
+/// more bytes, of `GET /session` of 600 images.
+enum class GzipEffort { kLeast, kUsual };
+
+/// RFC 1952, zlib's level 1 or 6; equal bytes for equal input.
+std::string gzipped(std::string_view bytes, GzipEffort effort = GzipEffort::kUsual);
 
 /// RFC 4648, with padding.
 std::string base64(std::string_view bytes);

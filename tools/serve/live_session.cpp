@@ -305,7 +305,7 @@ LiveSession::Bytes LiveSession::session(const std::string& me, const std::string
     Bytes& bytes = sessions_[who];
     if (!bytes.plain) {
         std::string text = session_ + ",\"me\":" + who + "}";
-        bytes.gzip = std::make_shared<const std::string>(gzipped(text));
+        bytes.gzip = std::make_shared<const std::string>(gzipped(text, GzipEffort::kLeast));
         bytes.plain = std::make_shared<const std::string>(std::move(text));
     }
     return bytes;
