@@ -27,7 +27,6 @@ from random import Random
 from server import API, Server, sha
 
 HANG_SECONDS = 30
-SETTLING_SECONDS = 18  # a model settles when no photograph has come for fifteen, which changes it once more
 BATCH = 500  # requests until the server is looked at, photographs until it has its first session again
 NO_HTTP = (b"this is no request that can be understood", b"the header of the request is too long")
 NUMBERS = (b"-1 0 1 2147483647 2147483648 4294967295 4294967296 9007199254740993 9223372036854775808 %31 1.5 0x10 NaN "
@@ -344,7 +343,7 @@ class Fuzzer:
             self.tokens[role] = re.search(r"#token=([\w-]+)", out).group(1)
         self.begin("first")
         assert [self.put(0, data)[0] for data in self.photos] == ["201"] * 5
-        assert set(self.settled(quiet_seconds=SETTLING_SECONDS).values()) == {"placed"}
+        assert set(self.settled(quiet_seconds=18).values()) == {"placed"}  # after 15 s models settle, which changes them
         self.end()
 
     def describe(self):
