@@ -135,7 +135,14 @@ run(async (chrome) => {
     // What events do not tell comes once nothing else does: cameras, pairs, which way is up.
     await watcher.waitForFunction(() => window.psfm.session.edges.length > 0 && window.psfm.session.cameras.length > 0, null, { polling: 200, timeout: 30000 });
     check(true, "pairs and cameras have come without a reload");
+    const cluster_without_points = (is_there) => watcher.evaluate((there) => {
+      const { model, stage } = window.psfm, { constructor } = model.clusters.values().next().value;
+      if (there) model.clusters.set(999, new constructor(999)); else model.clusters.delete(999);
+      stage.refresh();
+    }, is_there);
+    await cluster_without_points(true); // stops no replay
     await watcher.evaluate(() => window.psfm.timeline.go(0));
+    await cluster_without_points(false);
     const early = await watcher.evaluate(() => window.psfm.stage.shownPoses().length);
     check(early < IMAGES, `an earlier version had ${early} cameras`);
     await watcher.getByRole("button", { name: "Now" }).click();

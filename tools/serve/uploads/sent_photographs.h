@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <system_error>
 
 #include "tools/report/image_facts.h"
 #include "tools/serve/uploads/sent_book.h"
@@ -17,7 +18,10 @@ class SentPhotographs {
         : log_(session / "uploads.log") {}
 
     /// Whether they have sent any, those included that were removed since.
-    bool has_any() const { return std::filesystem::exists(log_); }
+    bool has_any() const {
+        std::error_code unknown;
+        return std::filesystem::exists(log_, unknown) || unknown;
+    }
 
     std::optional<PhotographOrigin> operator()(const std::string& name);
 

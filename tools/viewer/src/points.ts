@@ -117,6 +117,7 @@ export class PointCloud {
   begin(placedAt: ReadonlyMap<number, number> | null): void {
     if (placedAt === this.placedAt) return;
     this.placedAt = placedAt;
+    if (this.count === 0) return; // nothing was ever uploaded
     for (let slot = 0; slot < this.cluster.slots; ++slot) this.born[slot] = this.begins(slot);
     upload(this.geometry.getAttribute("born") as THREE.BufferAttribute);
   }
