@@ -83,7 +83,7 @@ Result<StoredEdit> ClusterKeeper::forget_places() {
         return StoredEdit{};
     if (state_->edges.apart_count == 0) return StoredEdit{};
     if (all_settled(state_->clusters)) return StoredEdit{};  // nothing has come since then
-    reunion_is_due_ = true;
+    ask_below_ = kAnyNumber;
     tried_again_.clear();
     PlaceVerdict verdict;
     std::set<ClusterId> holders;
@@ -100,8 +100,9 @@ Result<StoredEdit> ClusterKeeper::forget_places() {
 }
 
 Result<StoredEdit> ClusterKeeper::reunite_places() {
-    if (!reunion_is_due_ || !all_settled(state_->clusters)) return StoredEdit{};
-    reunion_is_due_ = false;
+    if (!all_settled(state_->clusters)) return StoredEdit{};
+    if (state_->edges.apart_count >= ask_below_) return StoredEdit{};
+    ask_below_ = state_->edges.apart_count;
     PlaceVerdict verdict;
     std::set<ClusterId> holders;
     for (const std::vector<ImageId>& images :

@@ -39,7 +39,8 @@ class ClusterKeeper {
     Result<StoredEdit> forget_places();
     /// Forgets it of large clusters whose settled models stand together all the same
     /// (stand_together.h). Once in a process, and whenever models that forget_places() found to be
-    /// unsettled have settled. @return empty: there was nothing @errors those of the store
+    /// unsettled have settled; and again while fewer pairs are held apart than the last time, since
+    /// others may join what has joined. @return empty: there was nothing @errors those of the store
     Result<StoredEdit> reunite_places();
     /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return empty:
     /// there was nothing @errors those of the store
@@ -73,8 +74,10 @@ class ClusterKeeper {
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
     std::set<ImagePair> tried_again_;        // since then: apart_before took them back
-    /// Once all models have settled. An earlier process may have been killed before it came to it.
-    bool reunion_is_due_ = true;
+    static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);
+    /// reunite_places() asks only while fewer pairs than this are held apart. At first of any
+    /// number: an earlier process may have been killed before it came to it.
+    std::size_t ask_below_ = kAnyNumber;
 };
 
 /// Whether there is anything in it.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 #include "tests/scheduler/flow/serial_session.h"
@@ -177,28 +178,81 @@ TEST(Places, OfLargeSessionsStayApartWhereTheyContradictEachOther) {
     expect_streets_apart(session, streets);
 }
 
-TEST(Places, OfLargeSessionsJoinAgainWhereTheyStandTogether) {
-    synthetic::SceneOptions options = synthetic::line_along_wall(kImages);
-    options.cameras.radius = 0.1 * kImages;  // steps of 20 cm
-    options.points.extent.x() = 0.2 * kImages + 8.0;
-    const synthetic::SyntheticScene scene = synthetic::make_scene(options, 1);
-    const std::vector<VerifiedPairPtr> pairs = synthetic::make_verified_pairs(scene);
-    const testing::TemporaryFolder folder;
-    const auto store = test::open_store(folder);
-    SerialSession session(*store, scene, pairs, true, {.join_below = 0}, kLargeFrom);
-    for (std::uint32_t i = 0; i + 1 < kImages; ++i) ASSERT_TRUE(session.add_image());
-    session.hold_solves();
-    ASSERT_TRUE(session.add_image());
-    ASSERT_EQ(session.held_solves(), 1U);
-    session.release_showing_two_places(session.held().front().problem->cluster);
-    session.release_solves();
-    EXPECT_GT(session.state().edges.apart_count, 0U);
-    session.end();
-    EXPECT_EQ(count_of(session, SessionEvent::Kind::kPlaces), 2U) << "told of both";
-    EXPECT_EQ(session.state().edges.apart_count, 0U);
-    EXPECT_EQ(session.state().counts.placed, kImages);
-    EXPECT_EQ(session.state().counts.effective_clusters, 1U);
-    EXPECT_TRUE(store->check({})->damaged.empty());
+/// One wall, whose last image brings a joint that shows two places.
+class WronglyParted : public ::testing::Test {
+  protected:
+    WronglyParted() {
+        synthetic::SceneOptions options = synthetic::line_along_wall(kImages);
+        options.cameras.radius = 0.1 * kImages;  // steps of 20 cm
+        options.points.extent.x() = 0.2 * kImages + 8.0;
+        scene_ = synthetic::make_scene(options, 1);
+        pairs_ = synthetic::make_verified_pairs(scene_);
+        store_ = test::open_store(folder_);
+        session_ = std::make_unique<SerialSession>(*store_, scene_, pairs_, true,
+                                                   ClusteringOptions{.join_below = 0}, kLargeFrom);
+        for (std::uint32_t i = 0; i + 1 < kImages; ++i) EXPECT_TRUE(session_->add_image());
+        session_->hold_solves();
+        EXPECT_TRUE(session_->add_image());
+        show_two_places(2);
+        session_->release_solves();
+        EXPECT_GT(apart(), 0U);
+    }
+
+    std::size_t apart() const { return session_->state().edges.apart_count; }
+    void show_two_places(std::size_t parts) {
+        ASSERT_EQ(session_->held_solves(), 1U);
+        session_->release_showing_two_places(session_->held().front().problem->cluster, parts);
+    }
+    /// Until a model of all images is to be solved, but not settled, which is held.
+    void solve_until_joined() {
+        const auto is_joint = [](const SolveMessage& solve) {
+            return solve.problem->images.size() == kImages && !solve.problem->settle;
+        };
+        while (session_->held_solves() > 0 && std::ranges::none_of(session_->held(), is_joint))
+            session_->release_held();
+    }
+    void expect_one_part() const {
+        EXPECT_EQ(apart(), 0U);
+        EXPECT_EQ(session_->state().counts.placed, kImages);
+        EXPECT_EQ(session_->state().counts.effective_clusters, 1U);
+        EXPECT_TRUE(store_->check({})->damaged.empty());
+    }
+
+    testing::TemporaryFolder folder_;
+    synthetic::SyntheticScene scene_;
+    std::vector<VerifiedPairPtr> pairs_;
+    std::unique_ptr<SessionStore> store_;
+    std::unique_ptr<SerialSession> session_;
+};
+
+TEST_F(WronglyParted, JoinsAgainWhereTheyStandTogether) {
+    session_->end();
+    EXPECT_EQ(count_of(*session_, SessionEvent::Kind::kPlaces), 2U) << "told of both";
+    expect_one_part();
+}
+
+TEST_F(WronglyParted, IsAskedAgainWhereFewerAreHeldApart) {
+    const std::size_t before = apart();
+    session_->hold_solves();
+    session_->end();
+    solve_until_joined();
+    show_two_places(5);
+    ASSERT_GT(apart(), 0U);
+    ASSERT_LT(apart(), before);
+    session_->release_solves();
+    EXPECT_EQ(count_of(*session_, SessionEvent::Kind::kPlaces), 4U);
+    expect_one_part();
+}
+
+TEST_F(WronglyParted, StaysSoWhereItIsPartedAgain) {
+    const std::size_t before = apart();
+    session_->hold_solves();
+    session_->end();
+    solve_until_joined();
+    show_two_places(2);
+    session_->release_solves();
+    EXPECT_EQ(apart(), before);
+    EXPECT_EQ(session_->state().counts.effective_clusters, 2U);
 }
 
 TEST(Places, SolutionsAreTakenInTheOrderOfTheirClusters) {

@@ -115,7 +115,7 @@ void SerialSession::release_held() {
     EXPECT_TRUE(run(std::move(messages), kAll));
 }
 
-void SerialSession::release_showing_two_places(ClusterId cluster) {
+void SerialSession::release_showing_two_places(ClusterId cluster, std::size_t parts) {
     std::vector<CommitInput> messages;
     for (const SolveMessage& solve : std::exchange(held_, {})) {
         auto solution = solve_cluster(*solve.problem, options_.solve, nullptr);
@@ -123,7 +123,7 @@ void SerialSession::release_showing_two_places(ClusterId cluster) {
             const std::vector<RegisteredImage>& images = solution->model->images;
             solution->places.resize(2);
             for (std::size_t i = 0; i < images.size(); ++i)
-                solution->places[2 * i / images.size()].push_back(images[i].image);
+                solution->places[parts * i < images.size() ? 0 : 1].push_back(images[i].image);
         }
         messages.emplace_back(SolvedMessage{
             solve.problem, std::make_shared<const Result<ClusterSolution>>(std::move(solution))});

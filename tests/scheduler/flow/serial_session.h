@@ -47,9 +47,10 @@ class SerialSession {
     void release_solves(bool last_first = false);
     /// Those that are held end; what follows is held again.
     void release_held();
-    /// The solve of this cluster says that its model shows two places, half of its images each, the
-    /// others what they say; solves that follow are held.
-    void release_showing_two_places(ClusterId cluster);
+    /// The solve of this cluster says that its model shows two places, the first one of so many
+    /// equal parts of its images and the rest; the others say what they do. Solves that follow are
+    /// held.
+    void release_showing_two_places(ClusterId cluster, std::size_t parts = 2);
     const std::vector<SolveMessage>& held() const { return held_; }
     std::size_t held_solves() const { return held_.size(); }
     /// Merges take until release_merge(), which lets the one in flight end.
