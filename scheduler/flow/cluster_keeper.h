@@ -74,6 +74,7 @@ class ClusterKeeper {
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
     std::set<ImagePair> tried_again_;        // since then: apart_before took them back
+    /// Mathematics: more than there can be.
     static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);
     /// reunite_places() asks only while fewer pairs than this are held apart. At first of any
     /// number: an earlier process may have been killed before it came to it.

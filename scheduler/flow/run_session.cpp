@@ -146,10 +146,12 @@ std::uint64_t feed(SessionGraph& graph, const std::vector<AcceptedImagePtr>& unv
 
 Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
                                                  const SessionConfig& config,
+                                                 const ExecutionOptions& execution,
                                                  const StageOptions& options,
                                                  const SessionState& state, tbb::task_arena& arena,
                                                  Salvage* salvage, const PhotoExtractor& extract) {
     FrontEndParts parts{&store, &options, config.seed, {}, extract};
+    if (!config.deterministic) parts.independent_vocabulary = execution.independent_vocabulary;
     for (std::uint32_t i = 0; i < state.verified; ++i)
         parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera),
                                    state.is_removed(static_cast<ImageId>(i))});
@@ -182,8 +184,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     arena.execute([&] { restored = restore_session(store, config, *options); });
     if (!restored.ok()) return restored.error();
     const SeenPhotos seen(*restored);
-    auto front_end =
-        make_front_end(store, config, *options, restored->state, arena, salvage, extract);
+    auto front_end = make_front_end(store, config, execution, *options, restored->state, arena,
+                                    salvage, extract);
     if (!front_end.ok()) return front_end.error();
     SessionGraph::Parts parts;
     parts.committed_images = restored->state.verified;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "graph/camera.h"
@@ -58,12 +59,16 @@ struct FrontEndParts {
     std::uint64_t seed = 0;
     std::vector<CommittedImage> committed;  ///< ascending by id
     PhotoExtractor extract = {};            ///< empty: run_features
+    /// ExecutionOptions::independent_vocabulary; empty: none.
+    std::string independent_vocabulary = {};
 };
 
 /// Photographs: SIFT, retrieval with a vocabulary, matching.
 /// Runs retrieval's training in the calling thread's arena.
-/// @param vocabulary_file  empty: the vocabulary is trained from the session's own images
-/// @errors kNotFound, kDamaged (vocabulary file), those of the store
+/// @param vocabulary_file  empty: the vocabulary is trained from the session's own images, until an
+/// independent one takes over
+/// @errors kNotFound, kUnreadable (vocabulary file), those of the store; of the independent one
+/// when it is wanted for the first time
 Result<std::unique_ptr<FrontEnd>> make_photograph_front_end(const FrontEndParts& parts,
                                                             const std::string& vocabulary_file);
 

@@ -13,6 +13,14 @@
 namespace psfm {
 namespace {
 
+Result<std::shared_ptr<const Vocabulary>> vocabulary_of(const std::string& file) {
+    auto words = read_vocabulary(file);
+    if (words.ok()) return std::make_shared<const Vocabulary>(*std::move(words));
+    Error error = words.error();
+    if (error.code == ErrorCode::kDamaged) error.code = ErrorCode::kUnreadable;  // not the session
+    return error;
+}
+
 class PhotographFrontEnd final : public FrontEnd {
   public:
     PhotographFrontEnd(const FrontEndParts& parts, RetrievalState retrieval)
@@ -105,15 +113,19 @@ Result<std::unique_ptr<FrontEnd>> make_photograph_front_end(const FrontEndParts&
                                                             const std::string& vocabulary_file) {
     std::shared_ptr<const Vocabulary> given;
     if (!vocabulary_file.empty()) {
-        auto words = read_vocabulary(vocabulary_file);
-        if (!words.ok()) return words.error();
-        given = std::make_shared<const Vocabulary>(*std::move(words));
+        auto read = vocabulary_of(vocabulary_file);
+        if (!read.ok()) return read.error();
+        given = *std::move(read);
     }
+    VocabularySource independent;
+    if (!parts.independent_vocabulary.empty())
+        independent = [file = parts.independent_vocabulary] { return vocabulary_of(file); };
     const DescriptorSource descriptors = [&](ImageId image) {
         return parts.store->descriptors(image);
     };
-    auto retrieval = rebuild_retrieval(given, static_cast<std::uint32_t>(parts.committed.size()),
-                                       descriptors, parts.options->retrieval);
+    auto retrieval =
+        rebuild_retrieval(given, static_cast<std::uint32_t>(parts.committed.size()), descriptors,
+                          parts.options->retrieval, std::move(independent));
     if (!retrieval.ok()) return retrieval.error();
     return std::unique_ptr<FrontEnd>(
         std::make_unique<PhotographFrontEnd>(parts, *std::move(retrieval)));

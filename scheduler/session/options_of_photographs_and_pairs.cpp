@@ -31,7 +31,7 @@ constexpr std::array kPhotographAndPairOptions{
     PSFM_OPTION(retrieval.candidates, 1, kCount, "candidates of an image among earlier ones", "paper, \"Progressive Viewgraph\""),
     PSFM_OPTION(retrieval.features_per_image, 1, kCount, "features of an image that are indexed and looked up", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.max_postings, 1, kCount, "entries of the inverted file read for a query, rarest words first", "ours; docs/retrieval.md"),
-    PSFM_OPTION(retrieval.max_training_images, 1, kCount, "images up to which a vocabulary is trained again from the session", "ours; docs/retrieval.md"),
+    PSFM_OPTION(retrieval.max_training_images, 1, kCount, "images up to which a vocabulary is trained again from the session; then an independent one takes over", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.max_words, 2, kCount, "most words of a trained vocabulary", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.training_features, 2, kCount, "descriptors that a vocabulary is trained from", "ours; docs/retrieval.md"),
     PSFM_OPTION(retrieval.training_iterations, 1, 1000, "iterations of k-means at each of its two levels", "not tuned"),

@@ -118,6 +118,10 @@ struct ExecutionOptions {
     /// settled has to settle again after the next photograph. Not in deterministic sessions, nor in
     /// a batch. Ours.
     double settle_after_seconds = 15.0;
+    /// A vocabulary of many words that was trained from other photographs; empty: none. Used above
+    /// some thousands of images (RetrievalOptions::max_training_images), but not by deterministic
+    /// sessions, and not by those that were given one.
+    std::string independent_vocabulary;
 };
 
 }  // namespace psfm

@@ -41,8 +41,10 @@ struct RetrievalOptions {
     /// features. More: training takes longer, at 256 bytes of memory each while it lasts; fewer:
     /// poorer words. Ours.
     std::size_t training_features = 500000;
-    /// Larger collections are not trained from any more: the last vocabulary stays. Larger: a pause
-    /// in proportion at the next doubling; smaller: words that do not know the later scenes. Ours.
+    /// Larger collections are not trained from any more: the last vocabulary stays, or an
+    /// independent one takes over where there is one (`psfm vocabulary train`; in the paper from
+    /// the beginning). Larger: a pause in proportion at the next doubling, and too few words for
+    /// longer; smaller: words that do not know the later scenes. Ours.
     std::size_t max_training_images = 3200;
     /// Iterations of k-means at each of the two levels. More: training takes longer. Ours.
     unsigned training_iterations = 8;

@@ -18,8 +18,10 @@ bool RetrievalState::operator==(const RetrievalState& other) const {
            index == other.index && image_count == other.image_count;
 }
 
-RetrievalState make_retrieval_state(std::shared_ptr<const Vocabulary> given) {
+RetrievalState make_retrieval_state(std::shared_ptr<const Vocabulary> given,
+                                    VocabularySource independent) {
     RetrievalState state;
+    if (!given) state.independent = std::move(independent);
     if (given) state.index = InvertedFile(given->word_count());
     state.vocabulary = given;
     state.given = std::move(given);

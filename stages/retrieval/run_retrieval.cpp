@@ -28,9 +28,15 @@ bool is_milestone(std::size_t images, const RetrievalOptions& options) {
     return (times & (times - 1)) == 0;
 }
 
-bool is_training(std::size_t images, const RetrievalState& state, const RetrievalOptions& options) {
-    return !state.given && is_milestone(images, options) &&
-           (images == options.candidates || images <= options.max_training_images);
+/// Which vocabulary is used from here on.
+enum class NewWords : std::uint8_t { kNone, kTrained, kIndependent };
+
+NewWords new_words(std::size_t images, const RetrievalState& state,
+                   const RetrievalOptions& options) {
+    if (state.given || !is_milestone(images, options)) return NewWords::kNone;
+    if (images == options.candidates || images <= options.max_training_images)
+        return NewWords::kTrained;
+    return state.independent ? NewWords::kIndependent : NewWords::kNone;
 }
 
 /// Adds images [begin, end) to the index, and refreshes its weights where a milestone is passed.
@@ -46,21 +52,41 @@ Result<void> index_images(InvertedFile& index, const Vocabulary& vocabulary, std
     return {};
 }
 
-struct Trained {
+struct Indexed {
     std::shared_ptr<const Vocabulary> vocabulary;
     InvertedFile index;
 };
 
+/// Indexes images [0, image_count) by another vocabulary, as of the milestone `since`.
+Result<Indexed> index_anew(std::shared_ptr<const Vocabulary> vocabulary, std::uint32_t since,
+                           std::uint32_t image_count, const DescriptorSource& source,
+                           const RetrievalOptions& options) {
+    InvertedFile index(vocabulary->word_count());
+    const auto done = index_images(index, *vocabulary, 0, image_count, since, source, options);
+    if (!done.ok()) return done.error();
+    return Indexed{std::move(vocabulary), std::move(index)};
+}
+
 /// Trains from images [0, training_images) and indexes images [0, image_count).
-Result<Trained> train(std::uint32_t training_images, std::uint32_t image_count,
+Result<Indexed> train(std::uint32_t training_images, std::uint32_t image_count,
                       const DescriptorSource& source, const RetrievalOptions& options) {
     const auto tree = train_session_vocabulary(training_images, source, options);
     if (!tree.ok()) return tree.error();
-    Trained trained{std::make_shared<const Vocabulary>(*tree), InvertedFile(tree->word_count())};
-    const auto indexed = index_images(trained.index, *trained.vocabulary, 0, image_count,
-                                      training_images, source, options);
+    return index_anew(std::make_shared<const Vocabulary>(*tree), training_images, image_count,
+                      source, options);
+}
+
+/// The independent vocabulary from the milestone `since` on.
+Result<void> take_over(RetrievalState& state, std::uint32_t since, std::uint32_t image_count,
+                       const DescriptorSource& source, const RetrievalOptions& options) {
+    auto vocabulary = state.independent();
+    if (!vocabulary.ok()) return vocabulary.error();
+    auto indexed = index_anew(*std::move(vocabulary), since, image_count, source, options);
     if (!indexed.ok()) return indexed.error();
-    return trained;
+    state.independent = {};
+    state.given = state.vocabulary = std::move(indexed->vocabulary);
+    state.index = std::move(indexed->index);
+    return {};
 }
 
 std::vector<RetrievalCandidate> all_earlier(std::uint32_t count) {
@@ -101,10 +127,15 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
                          " was due; images must come in the order of their ids"};
     }
     RetrievalResult result;
-    if (is_training(earlier, state, options)) {
+    const NewWords due = new_words(earlier, state, options);
+    if (due == NewWords::kIndependent) {
+        const auto taken = take_over(state, earlier, earlier, source, options);
+        if (!taken.ok()) return taken.error();
+        result.new_words = state.vocabulary->word_count();
+    } else if (due == NewWords::kTrained) {
         auto trained = train(earlier, earlier, source, options);
         if (!trained.ok()) return trained.error();
-        result.trained_words = trained->vocabulary->word_count();
+        result.new_words = trained->vocabulary->word_count();
         state.vocabulary = std::move(trained->vocabulary);
         state.index = std::move(trained->index);
     }
@@ -121,20 +152,27 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
 
 Result<RetrievalState> rebuild_retrieval(std::shared_ptr<const Vocabulary> given,
                                          std::uint32_t image_count, const DescriptorSource& source,
-                                         const RetrievalOptions& options) {
+                                         const RetrievalOptions& options,
+                                         VocabularySource independent) {
     if (const auto valid = validate(options); !valid.ok()) return valid.error();
-    RetrievalState state = make_retrieval_state(std::move(given));
+    RetrievalState state = make_retrieval_state(std::move(given), std::move(independent));
     if (state.given) {
         const auto indexed =
             index_images(state.index, *state.vocabulary, 0, image_count, 0, source, options);
         if (!indexed.ok()) return indexed.error();
     } else {
-        // Training happens when the image after the milestone arrives.
+        // It happens when the image after the milestone arrives.
         std::uint32_t training_images = 0;
-        for (std::uint32_t images = 0; images < image_count; ++images) {
-            if (is_training(images, state, options)) training_images = images;
+        std::optional<std::uint32_t> taken_over;
+        for (std::uint32_t images = 0; images < image_count && !taken_over; ++images) {
+            const NewWords due = new_words(images, state, options);
+            if (due == NewWords::kIndependent) taken_over = images;
+            if (due == NewWords::kTrained) training_images = images;
         }
-        if (training_images > 0) {
+        if (taken_over) {
+            const auto taken = take_over(state, *taken_over, image_count, source, options);
+            if (!taken.ok()) return taken.error();
+        } else if (training_images > 0) {
             auto trained = train(training_images, image_count, source, options);
             if (!trained.ok()) return trained.error();
             state.vocabulary = std::move(trained->vocabulary);

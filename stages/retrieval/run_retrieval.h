@@ -22,8 +22,8 @@ struct RetrievalCandidate {
 
 struct RetrievalResult {
     std::vector<RetrievalCandidate> candidates;  ///< ascending by image; at most options.candidates
-    std::size_t trained_words =
-        0;  ///< of the vocabulary that this call trained; 0: none was trained
+    /// Words of the vocabulary that this call trained or took over; 0: the one before stays.
+    std::size_t new_words = 0;
 };
 
 /// The retrieval stage: earlier images to match `image` with; then `image` is indexed.
@@ -31,14 +31,14 @@ struct RetrievalResult {
 /// Up to options.candidates earlier images, all of them are candidates. When that many are present,
 /// and whenever their number has doubled since, a vocabulary is trained from all images before this
 /// one (unless one was given) and they are indexed anew; up to options.max_training_images, after
-/// which the vocabulary stays. Each image is so indexed about twice in all: the cost an image stays
-/// constant. Above, candidates are the most similar images by tf-idf (InvertedFile), and others
-/// that these have edges with (expand_candidates).
+/// which the vocabulary stays, or until an independent one takes over. Each image is so indexed
+/// about twice in all: the cost an image stays constant. Above, candidates are the most similar
+/// images by tf-idf (InvertedFile), and others that these have edges with (expand_candidates).
 /// @param source  asked for earlier images when a vocabulary is trained
 /// @param view_graph  what is known of the earlier images
 /// @errors kInvalidArgument: options, or `image` is not number state.image_count; any error of
-/// `source`,
-///         passed on. After an error the state is as before the call.
+///         `source` and of state.independent, passed on. After an error the state is as before the
+///         call.
 /// Deterministic, the same on every processor and number of threads. Uses the caller's TBB arena.
 Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
                                       const Descriptors& descriptors,
@@ -52,6 +52,7 @@ Result<RetrievalResult> run_retrieval(RetrievalState& state, ImageId image,
 /// @errors as run_retrieval()
 Result<RetrievalState> rebuild_retrieval(std::shared_ptr<const Vocabulary> given,
                                          std::uint32_t image_count, const DescriptorSource& source,
-                                         const RetrievalOptions& options);
+                                         const RetrievalOptions& options,
+                                         VocabularySource independent = {});
 
 }  // namespace psfm

@@ -83,9 +83,9 @@ int measure(const std::filesystem::path& data_set, const std::filesystem::path& 
             std::cerr << result.error().message << '\n';
             return 1;
         }
-        if (result->trained_words > 0) {
+        if (result->new_words > 0) {
             training_ms += ms;
-            std::cerr << "image " << i << ": trained " << result->trained_words << " words, " << ms
+            std::cerr << "image " << i << ": trained " << result->new_words << " words, " << ms
                       << " ms\n";
             continue;
         }

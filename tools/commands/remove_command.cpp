@@ -17,6 +17,7 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
+#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
 
@@ -145,6 +146,7 @@ int remove(const RemoveArguments& arguments) {
     request.session = arguments.session;
     request.execution.threads = arguments.threads;
     request.execution.idle_bytes = idle_bytes(store_options);
+    request.execution.independent_vocabulary = installed_vocabulary();
     request.log_file = arguments.log;
     request.go_on_command = command_line("resume", request.session);
     if (const auto code = take_out(arguments, store_options, request)) return *code;

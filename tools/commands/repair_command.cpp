@@ -22,6 +22,7 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
+#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {
@@ -200,6 +201,7 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     request.input = input_of(*settings, *config);
     request.config = *std::move(config);
     request.execution.threads = arguments.threads;
+    request.execution.independent_vocabulary = installed_vocabulary();
     request.log_file = arguments.log;
     request.go_on_command = command_line("repair", request.session);
     auto photos = photos_to_accept(*patient.reader, *intact, request);

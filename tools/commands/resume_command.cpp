@@ -10,6 +10,7 @@
 #include "scheduler/session/file_stamp.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
+#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
@@ -80,6 +81,7 @@ int resume(const ResumeArguments& arguments) {
         return report_error(done.error(), ErrorOrigin::kOtherInput);
     request.execution.threads = arguments.threads;
     request.execution.idle_bytes = idle_bytes(store_options);
+    request.execution.independent_vocabulary = installed_vocabulary();
     request.log_file = arguments.log;
     return run_and_report(**store, request);
 }

@@ -12,6 +12,7 @@
 #include "scheduler/session/option_table.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
+#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/session_runner.h"
 
@@ -205,6 +206,7 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
     store_options.cache_bytes = arguments.cache_mib << 20U;
     request.execution.threads = arguments.threads;
     request.execution.idle_bytes = idle_bytes(store_options);
+    request.execution.independent_vocabulary = installed_vocabulary();
     auto store = SessionStore::open(arguments.session, store_options);
     if (!store.ok()) return report_error(store.error());
     auto settled = settle_config(**store, std::move(request.config), command);

@@ -25,6 +25,7 @@
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
+#include "tools/commands/installed_vocabulary.h"
 
 namespace psfm {
 namespace {
@@ -39,7 +40,7 @@ struct TrainArguments {
     std::string photos;
     std::string output;
     std::size_t words = 1000000;
-    std::size_t descriptors = 4000000;
+    std::size_t descriptors = 8000000;
     int threads = 0;
 };
 
@@ -77,6 +78,24 @@ class TrainProgress {
     bool open_ = false;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// Where the vocabulary goes: with the folder made, where it is the user's. @errors kIo,
+/// kInvalidArgument
+Result<std::string> output_of(const TrainArguments& arguments) {
+    if (!arguments.output.empty()) return arguments.output;
+    const std::filesystem::path file = vocabulary_of_user();
+    if (file.empty()) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "no home folder to put the vocabulary into; name a file with --output"};
+    }
+    std::error_code failed;
+    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), failed);
+    if (failed) {
+        return Error{ErrorCode::kIo, file.parent_path().string() + ": " + failed.message() +
+                                         "; name a file with --output"};
+    }
+    return file.string();
+}
 
 /// What would make the last step fail is better said before the first.
 std::optional<Error> output_problem(const std::filesystem::path& file) {
@@ -129,7 +148,8 @@ Sample sample_descriptors(const std::vector<PhotoFile>& photos, std::size_t limi
     return sample;
 }
 
-int train_and_write(const TrainArguments& arguments, const std::vector<PhotoFile>& photos) {
+int train_and_write(const TrainArguments& arguments, const std::string& output,
+                    const std::vector<PhotoFile>& photos) {
     TrainProgress progress(photos.size());
     const Sample sample = sample_descriptors(photos, arguments.descriptors, progress);
     const std::size_t rows = sample.descriptors.rows();
@@ -147,10 +167,10 @@ int train_and_write(const TrainArguments& arguments, const std::vector<PhotoFile
                   " descriptors");
     const WordTree tree = train_vocabulary(sample.descriptors, {.words = words});
     progress.clear();
-    const auto written = write_vocabulary(tree, arguments.output);
+    const auto written = write_vocabulary(tree, output);
     if (!written.ok()) return report_error(written.error(), ErrorOrigin::kOtherInput);
-    std::cout << arguments.output << ": " << tree.word_count() << " words from " << rows
-              << " descriptors of " << sample.photos << " photographs\n"
+    std::cout << output << ": " << tree.word_count() << " words from " << rows << " descriptors of "
+              << sample.photos << " photographs\n"
               << std::flush;
     if (words < arguments.words) {
         std::cerr
@@ -161,7 +181,9 @@ int train_and_write(const TrainArguments& arguments, const std::vector<PhotoFile
 }
 
 int run_train(const TrainArguments& arguments) {
-    if (const auto problem = output_problem(arguments.output))
+    const auto output = output_of(arguments);
+    if (!output.ok()) return report_error(output.error(), ErrorOrigin::kOtherInput);
+    if (const auto problem = output_problem(*output))
         return report_error(*problem, ErrorOrigin::kOtherInput);
     const auto listing = list_photos(arguments.photos);
     if (!listing.ok()) return report_error(listing.error(), ErrorOrigin::kOtherInput);
@@ -175,7 +197,7 @@ int run_train(const TrainArguments& arguments) {
     }
     const ThreadBudget budget(arguments.threads);
     tbb::task_arena arena(arguments.threads > 0 ? arguments.threads : tbb::task_arena::automatic);
-    return arena.execute([&] { return train_and_write(arguments, listing->photos); });
+    return arena.execute([&] { return train_and_write(arguments, *output, listing->photos); });
 }
 
 }  // namespace
@@ -192,9 +214,10 @@ void add_vocabulary_command(CLI::App& app, int& exit_code) {
         ->required()
         ->type_name("IMAGES");
     train
-        ->add_option("--output", arguments->output,
-                     "Where the vocabulary goes; an existing file is replaced")
-        ->required()
+        ->add_option(
+            "--output", arguments->output,
+            "Where the vocabulary goes; an existing file is replaced. Without it: where all "
+            "of your sessions find it (~/.local/share/psfm/vocabulary)")
         ->type_name("FILE");
     train
         ->add_option(
@@ -214,18 +237,18 @@ void add_vocabulary_command(CLI::App& app, int& exit_code) {
     train->add_option("--threads", arguments->threads, "Threads to use; 0: one a core")
         ->check(CLI::Range(0, 1024));
     train->footer(
-        "A vocabulary tells which photographs may show the same things, so that not every pair "
-        "need be\n"
-        "matched. Sessions up to 100 images need none, and larger ones train their own; an "
-        "independent one\n"
-        "serves sessions whose first images say little about the later ones. The same photographs "
-        "give the\n"
-        "same file, on any machine and number of threads.\n"
+        "A vocabulary tells which photographs may show the same things, so that not every pair\n"
+        "need be matched. Sessions up to 100 images need none, and larger ones train their own.\n"
+        "From 6,400 images on that has too few words. Then one of a million words takes over that\n"
+        "was trained from other photographs, some thousands of anything with texture. Train it\n"
+        "once, without --output; sessions use it by themselves, but for deterministic ones.\n"
+        "PSFM_VOCABULARY names another file; set to nothing, none is used. With --vocabulary a\n"
+        "session uses a file from its 101st image on. The same photographs give the same file, on\n"
+        "any machine and number of threads.\n"
         "\n"
         "Examples:\n"
+        "  psfm vocabulary train photos-of-all-kinds\n"
         "  psfm vocabulary train holiday-photos --output words.psfm\n"
-        "  psfm vocabulary train archive --words 1000000 --descriptors 16000000 --output "
-        "large.psfm\n"
         "  psfm run photos --session my-session --vocabulary words.psfm");
     train->callback([arguments, &exit_code] { exit_code = run_train(*arguments); });
 }

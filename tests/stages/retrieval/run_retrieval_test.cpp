@@ -53,7 +53,7 @@ TEST(RunRetrieval, EveryEarlierImageIsACandidateAtFirst) {
         std::vector<std::uint32_t> all(i);
         for (std::size_t j = 0; j < i; ++j) all[j] = static_cast<std::uint32_t>(j);
         EXPECT_EQ(candidates_of(streamed.results[i]), all);
-        EXPECT_EQ(streamed.results[i].trained_words > 0, i == 8) << i;
+        EXPECT_EQ(streamed.results[i].new_words > 0, i == 8) << i;
     }
     EXPECT_LE(streamed.results[9].candidates.size(), 8U);
 }
@@ -83,7 +83,7 @@ TEST(RunRetrieval, TrainsAtEveryDoublingUpToTheLimit) {
     options.max_training_images = 16;
     const Streamed streamed = stream(ring, 40, nullptr, options);
     for (std::size_t i = 0; i < 40; ++i) {
-        EXPECT_EQ(streamed.results[i].trained_words > 0, i == 8 || i == 16) << i;
+        EXPECT_EQ(streamed.results[i].new_words > 0, i == 8 || i == 16) << i;
     }
 }
 
@@ -92,7 +92,7 @@ TEST(RunRetrieval, GivenVocabularyIsUsedAndNeverReplaced) {
     const auto given = std::make_shared<const Vocabulary>(
         train_vocabulary(synthetic::random_points(3000, 99), {.words = 1000, .iterations = 3}));
     const Streamed streamed = stream(ring, 40, given, small_options());
-    for (const RetrievalResult& result : streamed.results) EXPECT_EQ(result.trained_words, 0U);
+    for (const RetrievalResult& result : streamed.results) EXPECT_EQ(result.new_words, 0U);
     EXPECT_EQ(streamed.state.vocabulary, given);
     EXPECT_EQ(streamed.state.index.image_count(), 40U);
     EXPECT_EQ(streamed.results[8].candidates.size(), 8U);  // all of them, still
@@ -107,6 +107,67 @@ TEST(RunRetrieval, GivenVocabularyIsUsedAndNeverReplaced) {
         }
     }
     EXPECT_GE(static_cast<double>(nearest_found), 0.9 * static_cast<double>(nearest));
+}
+
+std::shared_ptr<const Vocabulary> independent_words() {
+    return std::make_shared<const Vocabulary>(
+        train_vocabulary(synthetic::random_points(3000, 99), {.words = 1000, .iterations = 3}));
+}
+
+TEST(RunRetrieval, AnIndependentVocabularyTakesOverAtTheNextDoubling) {
+    const Ring ring(40, 80, 20, 4);
+    RetrievalOptions options = small_options();
+    options.max_training_images = 12;
+    const auto words = independent_words();
+    int reads = 0;
+    RetrievalState state = make_retrieval_state(nullptr, [&] {
+        ++reads;
+        return words;
+    });
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const auto result =
+            run_retrieval(state, ImageId{i}, *ring.images[i], ring.source(), options);
+        ASSERT_TRUE(result.ok());
+        EXPECT_EQ(result->new_words > 0, i == 8 || i == 16) << i;
+        EXPECT_EQ(reads, i < 16 ? 0 : 1) << i;
+        EXPECT_EQ(state.vocabulary == words, i >= 16) << i;
+    }
+    EXPECT_EQ(state.index.image_count(), 40U);
+}
+
+TEST(RunRetrieval, AnIndependentVocabularyThatCannotBeReadIsAnError) {
+    const Ring ring(17, 40, 20, 4);
+    RetrievalOptions options = small_options();
+    options.max_training_images = 12;
+    RetrievalState state =
+        make_retrieval_state(nullptr, []() -> Result<std::shared_ptr<const Vocabulary>> {
+            return Error{ErrorCode::kDamaged, "words"};
+        });
+    for (std::uint32_t i = 0; i < 16; ++i)
+        ASSERT_TRUE(run_retrieval(state, ImageId{i}, *ring.images[i], ring.source(), options).ok());
+    const auto before = rebuild_retrieval(nullptr, 16, ring.source(), options);
+    ASSERT_TRUE(before.ok());
+    const auto failed = run_retrieval(state, ImageId{16}, *ring.images[16], ring.source(), options);
+    ASSERT_FALSE(failed.ok());
+    EXPECT_EQ(failed.error().code, ErrorCode::kDamaged);
+    EXPECT_TRUE(state == *before);
+}
+
+TEST(RebuildRetrieval, KnowsTheIndependentVocabulary) {
+    const Ring ring(40, 40, 15, 5);
+    RetrievalOptions options = small_options();
+    options.max_training_images = 12;
+    const auto words = independent_words();
+    const VocabularySource source = [&] { return words; };
+    RetrievalState state = make_retrieval_state(nullptr, source);
+    for (std::uint32_t count = 0; count <= 40; ++count) {
+        const auto rebuilt = rebuild_retrieval(nullptr, count, ring.source(), options, source);
+        ASSERT_TRUE(rebuilt.ok());
+        ASSERT_TRUE(*rebuilt == state) << count << " images";
+        if (count == 40) break;
+        ASSERT_TRUE(
+            run_retrieval(state, ImageId{count}, *ring.images[count], ring.source(), options).ok());
+    }
 }
 
 TEST(RebuildRetrieval, EndsInTheStreamedStateAfterAnyNumberOfImages) {

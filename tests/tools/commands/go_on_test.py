@@ -4,6 +4,7 @@
 """Sessions that are gone on with from the command line: what holds, what may change, and what a mistaken
 command leaves as it was. Usage: go_on_test.py BUILD [TEST …]"""
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 from pathlib import Path
 
 BUILD = Path()
@@ -76,6 +78,25 @@ class GoOn(unittest.TestCase):
         self.assertIn("a.jpg: is not an image", self.ends(BAD_INPUT, *run))
         missing.write_text("no vocabulary")
         self.assertIn(str(missing), self.ends(BAD_INPUT, *run, "--vocabulary", missing))
+
+    def test_large_sessions_use_the_vocabulary_of_the_user(self):
+        photos = self.wall()
+        words = self.folder / "data/psfm/vocabulary"
+        with unittest.mock.patch.dict(os.environ, {"XDG_DATA_HOME": str(self.folder / "data")}):
+            os.environ.pop("PSFM_VOCABULARY", None)
+            self.assertIn(str(words), self.ends(0, "vocabulary", "train", photos, "--words", 50))
+            large = "--set", "retrieval.candidates=3", "--set", "retrieval.max_training_images=2"
+            run = "run", photos, "--session", self.session
+            self.ends(0, *run, *large)
+            self.assertEqual(self.images(), 6)  # the seventh is looked up with other words
+            (photos / "again.jpg").write_bytes(next(photos.iterdir()).read_bytes() + b"not the same")
+            self.ends(0, "run", photos, "--session", self.folder / "with-it", *large)
+            words.write_bytes(words.read_bytes()[:-1] + b"x")
+            self.assertIn(str(words), self.ends(BAD_INPUT, *run))
+            self.ends(0, "run", photos, "--session", self.folder / "deterministic", "--deterministic", *large)
+            os.environ["PSFM_VOCABULARY"] = ""
+            self.ends(0, *run)
+            self.assertEqual(self.images(), 7)
 
     def test_a_log_that_cannot_be_written_changes_nothing(self):
         self.ends(1, "import", *self.database(), "--log", self.folder, "--seed", 3)
