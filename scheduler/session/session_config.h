@@ -121,7 +121,7 @@ struct ExecutionOptions {
     /// A vocabulary of many words that was trained from other photographs; empty: none. Used above
     /// some thousands of images (RetrievalOptions::max_training_images), but not by deterministic
     /// sessions, and not by those that were given one.
-    std::string independent_vocabulary;
+    std::string independent_vocabulary = {};
 };
 
 }  // namespace psfm

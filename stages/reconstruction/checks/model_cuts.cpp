@@ -61,7 +61,8 @@ bool is_held(const Cut& cut, const DoubtOptions& options) {
 /// Two parts of a model that contradict each other, and that nothing joins better.
 bool contradict_each_other(const Cut& cut, const SolveOptions& options) {
     const bool are_missed = cut.contradicting >= options.doubt.min_split_pairs &&
-                            cut.missing_part() >= options.doubt.min_split_part;
+                            cut.missing_part() >= options.doubt.min_split_part &&
+                            cut.contest() >= options.doubt.contested;
     return options.policy.makes_model(cut.images) && (are_missed || is_fold(cut, options.doubt));
 }
 
