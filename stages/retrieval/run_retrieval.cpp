@@ -161,7 +161,7 @@ Result<RetrievalState> rebuild_retrieval(std::shared_ptr<const Vocabulary> given
             index_images(state.index, *state.vocabulary, 0, image_count, 0, source, options);
         if (!indexed.ok()) return indexed.error();
     } else {
-        // It happens when the image after the milestone arrives.
+        // Words change when the image after the milestone arrives.
         std::uint32_t training_images = 0;
         std::optional<std::uint32_t> taken_over;
         for (std::uint32_t images = 0; images < image_count && !taken_over; ++images) {
