@@ -57,6 +57,9 @@ Result<StoredEdit> ClusterKeeper::separate(const ClusterProblem& problem,
     std::vector<ImageId> images;
     images.reserve(solution->model->images.size());
     for (const RegisteredImage& image : solution->model->images) images.push_back(image.image);
+    for (const std::vector<ImageId>& place : solution->places)
+        images.insert(images.end(), place.begin(), place.end());  // some may not be in it
+    sort_unique(images);
     PlaceVerdict verdict = judge_places(state_->edges, images, solution->places);
     if (verdict.empty()) return StoredEdit{};
     if (!verdict.apart.empty()) {
@@ -151,7 +154,8 @@ Result<StoredEdit> ClusterKeeper::apply(const EdgeChanges& edges,
 
 Result<StoredEdit> ClusterKeeper::join_late() {
     const ClusteringEdit joined =
-        psfm::join_late(state_->clustering, state_->view_graph, options_->clustering);
+        psfm::join_late(state_->clustering, state_->view_graph, options_->clustering,
+                        {state_->edges.apart, options_->solve.policy.mu_min});
     if (joined.changed.empty()) return StoredEdit{};
     return apply(joined, EdgeChanges{}, {});
 }

@@ -12,6 +12,18 @@
 #include "scheduler/report/camera_report.h"
 
 namespace psfm {
+namespace {
+
+/// Whether images of a place are not in the model.
+bool leaves_out_some(const ClusterSolution& solution) {
+    return std::ranges::any_of(solution.places, [&](const std::vector<ImageId>& place) {
+        return std::ranges::any_of(
+            place, [&](ImageId image) { return solution.model->find(image) == nullptr; });
+    });
+}
+
+}  // namespace
+
 SessionEvent describe_change(const ClusterChange& change) {
     SessionEvent event;
     event.clusters.push_back(index_of(change.cluster));
@@ -95,9 +107,12 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
     SessionEvent event;
     event.kind = SessionEvent::Kind::kPlaces;
     event.clusters = {index_of(problem.cluster)};
-    event.text = "cluster " + std::to_string(index_of(problem.cluster)) + " shows " +
-                 std::to_string(solution.places.size()) +
-                 " places side by side, whose images share nothing:";
+    event.text =
+        "cluster " + std::to_string(index_of(problem.cluster)) +
+        (leaves_out_some(solution)
+             ? " makes " + std::to_string(solution.places.size()) + " models, which nothing joins:"
+             : " shows " + std::to_string(solution.places.size()) +
+                   " places side by side, whose images share nothing:");
     nlohmann::json sizes = nlohmann::json::array();
     constexpr std::size_t kShown = 3;  // Format: places in a message
     for (const std::vector<ImageId>& place : solution.places) {

@@ -136,6 +136,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.places.full_between, 1, kCount, "such points with which a pair says all that it can", "not tuned"),
     PSFM_OPTION(solve.places.glance_factor, 1, 1000, "times max_shared_by_chance that a pair shares of a few points at most where it shares nothing", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.glance_points, 1, kCount, "points of each image that are looked at first", "ours; docs/look-alikes.md"),
+    PSFM_OPTION(solve.places.left_out, 0, 1, "whether images that a model leaves out make one of their own once no more images come (1), or wait (0)", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.margin, 0, 0.49, "rim of a photograph in which no point is expected, over its longer side", "not tuned"),
     PSFM_OPTION(solve.places.max_neighbors, 1, kCount, "images beside it with which an image is compared", "not tuned"),
     PSFM_OPTION(solve.places.max_offset, 1e-6, 100, "distance of images side by side, over the depth of what they see", "ours; docs/look-alikes.md"),

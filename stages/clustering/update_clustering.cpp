@@ -69,10 +69,24 @@ void split_along(Relabeller& relabeller, ClusteringState& state, const ViewGraph
     join_along(relabeller, graph, held);
 }
 
+/// Images of groups that join what they share most with, ascending.
+std::vector<ImageId> to_rescue(const ClusteringState& state, const ClusteringOptions& options,
+                               const ShownApart& shown) {
+    std::vector<ImageId> images = in_small_groups(state.links, options.join_below);
+    if (shown.apart.empty()) return images;
+    std::erase_if(images, [&](ImageId image) {
+        const std::vector<ImageId> group = small_group(state.links, image, options.join_below);
+        return makes_model(group.size(), shown.mu_min) &&
+               std::ranges::any_of(
+                   group, [&](ImageId one) { return !shown.apart[index_of(one)].empty(); });
+    });
+    return images;
+}
+
 /// Rescues the groups that are too small now instead of those that were. @return links that are
 /// gone
 std::vector<ImagePair> rescue(ClusteringState& state, const ViewGraph& graph,
-                              const ClusteringOptions& options) {
+                              const ClusteringOptions& options, const ShownApart& shown) {
     std::vector<ImageId> before;
     for (std::size_t image = 0; image < state.size(); ++image) {
         if (!state.rescued[image].empty()) before.push_back(static_cast<ImageId>(image));
@@ -80,8 +94,8 @@ std::vector<ImagePair> rescue(ClusteringState& state, const ViewGraph& graph,
     }
     std::vector<ImagePair> lost = update_links(state, graph, before, options).removed;
     if (options.join_below == 0) return lost;
-    const std::vector<ImageId> small = in_small_groups(state.links, options.join_below);
-    for (const ImagePair& pair : rescue_links(state.links, graph, small, options.join_below)) {
+    const std::vector<ImageId> images = to_rescue(state, options, shown);
+    for (const ImagePair& pair : rescue_links(state.links, graph, images, options.join_below)) {
         set_rescued(state, pair);
         std::erase(lost, pair);
     }
@@ -116,11 +130,11 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
 }
 
 ClusteringEdit join_late(ClusteringState& state, const ViewGraph& graph,
-                         const ClusteringOptions& options) {
+                         const ClusteringOptions& options, const ShownApart& shown) {
     assert(graph.size() == state.size());
     ClusteringOptions unheld = options;
     unheld.join_up_to = 0;
-    const std::vector<ImagePair> lost = rescue(state, graph, unheld);
+    const std::vector<ImagePair> lost = rescue(state, graph, unheld, shown);
     Relabeller relabeller(state, state.size(), unheld);
     for (std::size_t image = 0; image < state.size(); ++image) {
         for (const ImageId other : state.links[image])

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "graph/clustering_edit.h"
 #include "graph/ids.h"
@@ -36,13 +38,21 @@ ClusteringEdit update_clustering(ClusteringState& state, const ViewGraph& graph,
                                  std::span<const ImageId> touched,
                                  const ClusteringOptions& options);
 
+/// What models have shown of images.
+struct ShownApart {
+    std::span<const std::vector<ImageId>> apart;  ///< by image: EdgeSelection::apart
+    std::uint32_t mu_min = 0;                     ///< images that are enough for a model
+};
+
 /// What is decided once no more images come: clusters that were held apart for their size are
 /// joined, and those of fewer than options.join_below images join what they share most with
 /// (rescue_links), which forgets what they were joined to before. The clusters are those of
-/// batch_clusters(graph) then, whatever the order of arrival was.
+/// batch_clusters(graph) then, whatever the order of arrival was. A group that makes a model and
+/// was shown to be apart from another one stays by itself: what it shares next most with would be
+/// no better.
 /// Cost: O(links), and a distance for each rescued one. REQUIRES: a state that is up to date with
 /// the graph. Deterministic.
 ClusteringEdit join_late(ClusteringState& state, const ViewGraph& graph,
-                         const ClusteringOptions& options);
+                         const ClusteringOptions& options, const ShownApart& shown = {});
 
 }  // namespace psfm

@@ -146,8 +146,9 @@ struct ClusterSolution {
     SolveState state;
     std::vector<std::pair<ImageId, WaitReason>>
         waiting;  ///< members that are not in the model, ascending
-    /// Images of the model that show different places though they stand side by side in it, and are
-    /// not to be in one cluster (separate_places); empty: the model is of one place.
+    /// Images of different places, which are not to be in one cluster: they stand side by side in
+    /// the model and share nothing (separate_places), or the model leaves some out that make
+    /// another one (places_of_left_out). Empty: the cluster is of one place.
     std::vector<std::vector<ImageId>> places;
     SolveStatistics statistics;
 };

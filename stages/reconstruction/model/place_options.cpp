@@ -27,6 +27,7 @@ Result<void> validate(const PlaceOptions& options) {
         return invalid("same_between must be between 0 and 1");
     if (options.between_points == 0 || options.full_between == 0)
         return invalid("between_points and full_between must be at least 1");
+    if (options.left_out > 1) return invalid("left_out is 0 or 1");
     return validate(options.between);
 }
 

@@ -75,6 +75,9 @@ struct PlaceOptions {
     /// in common, of so many points.
     double folded_between = 0.85;
     std::uint32_t min_between = 400;
+    /// Whether images are looked for that a cluster's model leaves out and that make a model of
+    /// their own (places_of_left_out): 1 or 0. 0: they wait, as in the paper. Ours.
+    std::uint32_t left_out = 1;
 };
 
 Result<void> validate(const PlaceOptions& options);

@@ -14,6 +14,7 @@
 #include "stages/reconstruction/model/plan_solve.h"
 #include "stages/reconstruction/solve/extend_locally.h"
 #include "stages/reconstruction/solve/finish_attempt.h"
+#include "stages/reconstruction/solve/left_out.h"
 #include "stages/reconstruction/solve/reconsider_model.h"
 #include "stages/reconstruction/solve/settle_lenses.h"
 #include "stages/reconstruction/solve/solve_new.h"
@@ -190,6 +191,11 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
     const WaitReason reason =
         assess(*attempt, problem, options).value_or(WaitReason::kNoSeed);  // 9
     if (!attempt->places) ask_for_places(*attempt, problem, options);      // 10
+    if (attempt->places->empty()) {                                        // 11
+        auto places = places_of_left_out(problem, *attempt, options, solve_once);
+        if (!places.ok()) return places.error();
+        attempt->places = *std::move(places);
+    }
     return solution_of(*std::move(attempt), problem, reason);
 }
 

@@ -24,6 +24,8 @@ namespace psfm {
 /// 8. Where it settles, lenses get a second coefficient that need one (settle_lenses.h).
 /// 9. A model of invented depth is given up, a weak one says so (assess_model.h).
 /// 10. It is asked whether the model shows several places (separate_places.h).
+/// 11. And, once no photograph follows, whether images that it leaves out make a model of their own
+/// (left_out.h).
 /// A cluster below mu_min, or one that no pair can start, has an empty model and the reason for
 /// each image.
 /// @param cancel  when it becomes true the solve ends soon with kCancelled; may be null

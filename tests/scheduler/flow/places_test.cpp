@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <string>
 
 #include "tests/scheduler/flow/serial_session.h"
+#include "tests/stages/reconstruction/two_models.h"
 #include "tests/stages/reconstruction/two_parts.h"
 #include "tests/stages/reconstruction/two_streets.h"
 #include "tests/storage/test_session.h"
@@ -95,6 +97,26 @@ TEST(Places, TooFewForAModelOfTheirOwnWaitAsLookAlikes) {
     EXPECT_GE(waiting.size(), 3U);
     for (const auto& [image, reason] : waiting) EXPECT_EQ(reason, WaitReason::kLookAlikes);
     EXPECT_FALSE(weak_models(session.state()).empty()) << "people are told";
+}
+
+/// Two models that an edge joins once no image follows, and that have no place in each other.
+TEST(Places, AModelThatAJoinLeavesOutStays) {
+    const TwoModels parts;
+    const testing::TemporaryFolder folder;
+    const auto store = test::open_store(folder);
+    SerialSession session(*store, parts.scene, parts.pairs, true, ClusteringOptions{});
+    while (session.reported().size() < TwoModels::kImages) ASSERT_TRUE(session.add_image());
+    session.end();
+    EXPECT_EQ(count_of(session, SessionEvent::Kind::kPlaces), 1U);
+    EXPECT_EQ(session.state().counts.placed, TwoModels::kFirst + TwoModels::kSecond);
+    EXPECT_EQ(session.state().counts.effective_clusters, 2U);
+    for (const auto& [id, entry] : session.state().clusters.entries())
+        EXPECT_TRUE(entry.published.settled);
+    const auto told =
+        std::ranges::find(session.events(), SessionEvent::Kind::kPlaces, &SessionEvent::kind);
+    ASSERT_NE(told, session.events().end());
+    EXPECT_NE(told->text.find("makes 2 models, which nothing joins"), std::string::npos)
+        << told->text;
 }
 
 TEST(Places, AreKnownToTheNextProcess) {

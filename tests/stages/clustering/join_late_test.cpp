@@ -111,6 +111,28 @@ TEST(JoinLate, LargeGroupsStayApart) {
     EXPECT_EQ(join_late(state, graph, {.join_below = 7}).changed.size(), 1U);
 }
 
+TEST(JoinLate, AGroupThatMakesAModelAndWasShownToBeApartStaysByItself) {
+    WeightTable table(15);
+    connect(table, 0, 5, 50.0);
+    connect(table, 6, 10, 50.0);
+    connect(table, 11, 14, 50.0);
+    table.set(5, 6, 3.0);
+    table.set(5, 11, 3.0);
+    const ViewGraph graph = test::graph_of(table);
+    const ClusteringOptions options{.join_below = 6};
+    std::vector<std::vector<ImageId>> apart(15);
+    for (const std::size_t image : {7U, 12U}) apart[image] = {static_cast<ImageId>(0)};
+    ClusteringState state;
+    update_clustering(state, graph, {}, options);
+    ASSERT_EQ(state.members.size(), 3U);
+    join_late(state, graph, options, {apart, 5});
+    EXPECT_EQ(state.members.size(), 2U);
+    EXPECT_NE(state.cluster_of[7], state.cluster_of[0]) << "five make a model";
+    EXPECT_EQ(state.cluster_of[12], state.cluster_of[0]) << "four do not";
+    join_late(state, graph, options);
+    EXPECT_EQ(state.members.size(), 1U) << "nothing is apart any more";
+}
+
 TEST(SmallGroup, EndsAtTheSizeAskedFor) {
     const NearNeighbors near{{static_cast<ImageId>(1)},
                              {static_cast<ImageId>(0), static_cast<ImageId>(2)},
