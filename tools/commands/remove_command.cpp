@@ -17,7 +17,6 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
-#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
 
@@ -144,9 +143,7 @@ int remove(const RemoveArguments& arguments) {
     store_options.cache_bytes = arguments.cache_mib << 20U;
     RunRequest request;
     request.session = arguments.session;
-    request.execution.threads = arguments.threads;
-    request.execution.idle_bytes = idle_bytes(store_options);
-    request.execution.independent_vocabulary = installed_vocabulary();
+    request.execution = execution_of(arguments.threads, store_options);
     request.log_file = arguments.log;
     request.go_on_command = command_line("resume", request.session);
     if (const auto code = take_out(arguments, store_options, request)) return *code;

@@ -22,7 +22,6 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/session_runner.h"
 
 namespace psfm {
@@ -200,8 +199,7 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     request.session = folders.session;
     request.input = input_of(*settings, *config);
     request.config = *std::move(config);
-    request.execution.threads = arguments.threads;
-    request.execution.independent_vocabulary = installed_vocabulary();
+    request.execution = execution_of(arguments.threads, {});
     request.log_file = arguments.log;
     request.go_on_command = command_line("repair", request.session);
     auto photos = photos_to_accept(*patient.reader, *intact, request);

@@ -10,7 +10,6 @@
 #include "scheduler/session/file_stamp.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/session_options.h"
 #include "tools/commands/session_runner.h"
@@ -79,9 +78,7 @@ int resume(const ResumeArguments& arguments) {
     request.unread = std::move(photos->unread);
     if (const auto done = compare_photos(request, **store, false); !done.ok())
         return report_error(done.error(), ErrorOrigin::kOtherInput);
-    request.execution.threads = arguments.threads;
-    request.execution.idle_bytes = idle_bytes(store_options);
-    request.execution.independent_vocabulary = installed_vocabulary();
+    request.execution = execution_of(arguments.threads, store_options);
     request.log_file = arguments.log;
     return run_and_report(**store, request);
 }

@@ -21,7 +21,6 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
-#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/served_run.h"
 #include "tools/commands/session_runner.h"
 #include "tools/serve/api.h"
@@ -228,10 +227,7 @@ int serve_session(const ServeRequest& request) {
 
     give_way_to_answers();
     const ThreadBudget budget(request.threads);
-    ExecutionOptions execution;
-    execution.threads = request.threads;
-    execution.idle_bytes = idle_bytes(StoreOptions{});
-    execution.independent_vocabulary = installed_vocabulary();
+    const ExecutionOptions execution = execution_of(request.threads, {});
     const PhotoExtractor extract = [preset = config->preset](const PhotoFile& photo) {
         return extract_in_sandbox(photo, preset);
     };

@@ -12,7 +12,6 @@
 #include "scheduler/session/option_table.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
-#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/session_runner.h"
 
@@ -204,9 +203,7 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
 
     StoreOptions store_options;
     store_options.cache_bytes = arguments.cache_mib << 20U;
-    request.execution.threads = arguments.threads;
-    request.execution.idle_bytes = idle_bytes(store_options);
-    request.execution.independent_vocabulary = installed_vocabulary();
+    request.execution = execution_of(arguments.threads, store_options);
     auto store = SessionStore::open(arguments.session, store_options);
     if (!store.ok()) return report_error(store.error());
     auto settled = settle_config(**store, std::move(request.config), command);

@@ -17,6 +17,7 @@
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/console/waiting_report.h"
+#include "tools/commands/installed_vocabulary.h"
 #include "tools/commands/watch_folder.h"
 #include "tools/report/featureless.h"
 
@@ -111,6 +112,14 @@ Result<std::set<std::string>> known_names(const SessionReader& store) {
     }
     for (const RejectedPhoto& photo : *rejected) names.insert(photo.name);
     return names;
+}
+
+ExecutionOptions execution_of(int threads, const StoreOptions& store) {
+    ExecutionOptions execution;
+    execution.threads = threads;
+    execution.idle_bytes = store.cache_bytes / 8;
+    execution.independent_vocabulary = installed_vocabulary();
+    return execution;
 }
 
 std::string command_line(const std::string& command, const std::filesystem::path& session) {

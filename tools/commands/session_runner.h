@@ -31,10 +31,10 @@ struct RunRequest {
     std::string go_on_command;                ///< what goes on after a Ctrl-C
 };
 
-/// What `--cache` leaves for the keypoints of clusters that rest, and again for their points.
-inline std::size_t idle_bytes(const StoreOptions& options) {
-    return options.cache_bytes / 8;
-}
+/// How this process works on a session whose store it opens so: keypoints of clusters that rest
+/// have an eighth of the store's cache, and so have their points; a vocabulary that the user has
+/// installed is used.
+ExecutionOptions execution_of(int threads, const StoreOptions& store);
 
 struct FoundPhotos {
     std::vector<PhotoFile> photos;  ///< ascending by name
