@@ -119,7 +119,7 @@ Result<StoredEdit> ClusterKeeper::reunite_places() {
             apart[clusters].push_back(pair);
         }
         for (auto& [clusters, pairs] : apart) {
-            const auto together = stand_together(clusters);
+            const auto together = may_reunite(clusters);
             if (!together.ok()) return together.error();
             if (!*together) continue;
             outbox_->tell(describe_reunion(clusters.first, clusters.second), *state_);
@@ -133,9 +133,12 @@ Result<StoredEdit> ClusterKeeper::reunite_places() {
     return apply(keep_apart(state_->edges, state_->view_graph, verdict), holders);
 }
 
-Result<bool> ClusterKeeper::stand_together(const ClusterPair& clusters) {
+Result<bool> ClusterKeeper::may_reunite(const ClusterPair& clusters) {
     const auto& [first, second] = clusters;
     if (first == second) return false;
+    if (hang_together(state_->clustering, state_->edges, first, second,
+                      options_->solve.doubt.min_denied))
+        return true;
     const auto awake = state_->models.use(std::array{first, second}, state_->clusters, *store_);
     if (!awake.ok()) return awake.error();
     const ClusterEntry& a = state_->clusters.entries().at(first);

@@ -38,9 +38,11 @@ class ClusterKeeper {
     /// was nothing @errors those of the store
     Result<StoredEdit> forget_places();
     /// Forgets it of large clusters whose settled models stand together all the same
-    /// (stand_together.h). Once in a process, and whenever models that forget_places() found to be
-    /// unsettled have settled; and again while fewer pairs are held apart than the last time, since
-    /// others may join what has joined. @return empty: there was nothing @errors those of the store
+    /// (stand_together.h), or that hang together by a pair that no right model leaves out
+    /// (psfm::hang_together): joined, they show again what they are. Once in a process, and
+    /// whenever models that forget_places() found to be unsettled have settled; and again while
+    /// fewer pairs are held apart than the last time, since others may join what has joined.
+    /// @return empty: there was nothing @errors those of the store
     Result<StoredEdit> reunite_places();
     /// Joins what was held apart, and what is too small by itself (psfm::join_late). @return empty:
     /// there was nothing @errors those of the store
@@ -52,8 +54,8 @@ class ClusterKeeper {
     StoredCluster stored(const ClusterEntry& entry) const;
 
   private:
-    /// Whether the models of two clusters do. @errors those of the store
-    Result<bool> stand_together(const std::pair<ClusterId, ClusterId>& clusters);
+    /// Whether two clusters may join again. @errors those of the store
+    Result<bool> may_reunite(const std::pair<ClusterId, ClusterId>& clusters);
     /// Takes over what changed in the view graph.
     /// @param others  clusters whose records changed as well
     Result<StoredEdit> apply(const EdgeChanges& edges, const std::set<ClusterId>& others);

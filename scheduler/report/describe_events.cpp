@@ -135,9 +135,8 @@ SessionEvent describe_reunion(ClusterId a, ClusterId b) {
     SessionEvent event;
     event.kind = SessionEvent::Kind::kPlaces;
     event.clusters = {index_of(a), index_of(b)};
-    event.text =
-        "clusters " + std::to_string(index_of(a)) + " and " + std::to_string(index_of(b)) +
-        " were kept apart, and stand together without a contradiction: they may join again";
+    event.text = "clusters " + std::to_string(index_of(a)) + " and " + std::to_string(index_of(b)) +
+                 " were kept apart, and may be of one place after all: they may join again";
     event.detail_json = nlohmann::json{{"together", true}}.dump();
     return event;
 }

@@ -118,6 +118,27 @@ std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
     return pairs;
 }
 
+bool hang_together(const ClusteringState& clustering, const EdgeSelection& selection, ClusterId a,
+                   ClusterId b, double min_relative) {
+    const auto matches = [](const EdgeSelection::Edge& edge) {
+        return static_cast<double>(edge.pair->geometry.inliers.size());
+    };
+    const auto most_matches = [&](ImageId image) {
+        double most = 0.0;
+        for (const EdgeSelection::Edge& edge : selection.edges[index_of(image)])
+            most = std::max(most, matches(edge));
+        return most;
+    };
+    return std::ranges::any_of(clustering.members.at(a), [&](ImageId image) {
+        const double most = most_matches(image);
+        return std::ranges::any_of(
+            selection.edges[index_of(image)], [&](const EdgeSelection::Edge& edge) {
+                return clustering.cluster_of[index_of(edge.neighbor)] == b &&
+                       matches(edge) >= min_relative * std::min(most, most_matches(edge.neighbor));
+            });
+    });
+}
+
 std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clustering,
                                                     const EdgeSelection& selection) {
     std::map<ClusterId, std::set<ClusterId>> neighbors;

@@ -41,6 +41,12 @@ EdgeChanges keep_apart(EdgeSelection& selection, ViewGraph& graph, const PlaceVe
 std::vector<ImagePair> apart_pairs_of(const EdgeSelection& selection,
                                       std::span<const ImageId> images);
 
+/// Whether a plausible pair between two clusters has this part of the matches of the best pair that
+/// one of its images has anywhere: they are of one place, then, or that image stands in the wrong
+/// one.
+bool hang_together(const ClusteringState& clustering, const EdgeSelection& selection, ClusterId a,
+                   ClusterId b, double min_relative);
+
 /// Images of clusters that such pairs connect, a list for each set of clusters, ascending.
 std::vector<std::vector<ImageId>> images_held_apart(const ClusteringState& clustering,
                                                     const EdgeSelection& selection);

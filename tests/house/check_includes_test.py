@@ -73,6 +73,11 @@ class CheckIncludes(unittest.TestCase):
         self.assertEqual(self.run_check()[0], 0)
         self.assert_found("psfm", "", "no place at the top level", head="")
 
+    def test_every_test_is_built(self):
+        self.assert_found("tests/stages/a_test.cpp", "", "is never built")
+        self.write("tests/stages/CMakeLists.txt", "psfm_add_test(a SOURCES a_test.cpp)\n", SPDX.replace("//", "#"))
+        self.assertEqual(self.run_check()[0], 0)
+
     def test_graph_includes_nobody(self):
         self.assert_found("graph/a.cpp", '#include "storage/store.h"\n', "may not include storage/")
 

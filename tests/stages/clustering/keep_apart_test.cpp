@@ -138,6 +138,26 @@ Session restored(const std::vector<Pairs>& arrivals, const std::vector<ImagePair
     return session;
 }
 
+TEST(KeepApart, ClustersHangTogetherByAPairThatIsAboutTheBestOfOneOfItsImages) {
+    Session session = two_streets();
+    keep_apart(session.selection, session.graph, kTwoStreets);
+    ClusteringState clustering;
+    clustering.cluster_of = {ClusterId{0}, ClusterId{0}, ClusterId{1}, ClusterId{1}};
+    clustering.members = {{ClusterId{0}, {ImageId{0}, ImageId{1}}},
+                          {ClusterId{1}, {ImageId{2}, ImageId{3}}}};
+    const auto hang = [&](double min_relative) {
+        return hang_together(clustering, session.selection, ClusterId{0}, ClusterId{1},
+                             min_relative);
+    };
+    EXPECT_TRUE(hang(0.4)) << "100 matches where the best have 200";
+    EXPECT_FALSE(hang(0.6));
+    // An image of the first street, by its cluster, whose best pair is one with the second.
+    session.arrive({make_pair(0, 4, 60), make_pair(3, 4, 150)});
+    clustering.cluster_of.push_back(ClusterId{0});
+    clustering.members[ClusterId{0}].push_back(ImageId{4});
+    EXPECT_TRUE(hang(0.9)) << "whether it is an edge at present or not";
+}
+
 TEST(KeepApart, DependsOnWhatIsKnownNotOnWhenItBecameKnown) {
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
         std::mt19937_64 rng(seed);
