@@ -180,8 +180,8 @@ TEST_P(LargeSession, OfATownIsWhereItShouldBe) {
 // Measured on 2bb1110, `large_session_test --gtest_output=json` (two cores, shared with builds):
 // all images placed in one part, none torn. Median errors in spacings and seconds of processor
 // time: Users300 0.014, 24; Shuffled300 0.024, 26; Users700 0.092, 54; Users1500 0.091, 136. All
-// four with `ctest -L large -j 2`: 276 s. OtherUsers700 ends in two right parts; it had 59 torn
-// images until parts that a strong pair connects joined again (hang_together). Seeds whose towns
+// four with `ctest -L large -j 2`: 276 s. OtherUsers700 ends in two right parts where parts that a
+// strong pair connects join again (hang_together), and has 59 torn images else. Seeds whose towns
 // stay folded are left out: with seed 1, 6 images of 300 are torn, 22 of 700, and 244 of 1,500.
 INSTANTIATE_TEST_SUITE_P(
     Towns, LargeSession,

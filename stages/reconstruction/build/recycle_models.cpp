@@ -16,13 +16,6 @@
 namespace psfm {
 namespace {
 
-std::vector<ImageId> images_of(const Reconstruction& model) {
-    std::vector<ImageId> images;
-    images.reserve(model.images.size());
-    for (const RegisteredImage& image : model.images) images.push_back(image.image);
-    return images;
-}
-
 /// Whether a pair's first image is in a, and the second in b. Models may share images.
 bool leads(const ImagePair& pair, const Reconstruction& a, const Reconstruction& b) {
     return a.find(pair.first) != nullptr && b.find(pair.second) != nullptr;
@@ -97,6 +90,13 @@ PartPlacement place_beside(const Reconstruction& base, const Reconstruction& par
 }
 
 }  // namespace
+
+std::vector<ImageId> images_of(const Reconstruction& model) {
+    std::vector<ImageId> images;
+    images.reserve(model.images.size());
+    for (const RegisteredImage& image : model.images) images.push_back(image.image);
+    return images;
+}
 
 std::vector<ImageId> members_of(const ClusterProblem& problem) {
     std::vector<ImageId> members;

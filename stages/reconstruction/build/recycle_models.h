@@ -20,6 +20,9 @@ struct Recycling {
     std::vector<Reconstruction> unrelated;
 };
 
+/// Images of a model, ascending.
+std::vector<ImageId> images_of(const Reconstruction& model);
+
 /// Images of a cluster, ascending.
 std::vector<ImageId> members_of(const ClusterProblem& problem);
 

@@ -9,19 +9,13 @@
 #include <tuple>
 #include <utility>
 
+#include "stages/reconstruction/build/recycle_models.h"
 #include "stages/reconstruction/model/local_numbers.h"
 
 namespace psfm {
 namespace {
 
 using Groups = std::vector<std::vector<ImageId>>;
-
-std::vector<ImageId> ids_of(const Reconstruction& model) {
-    std::vector<ImageId> images;
-    images.reserve(model.images.size());
-    for (const RegisteredImage& image : model.images) images.push_back(image.image);
-    return images;
-}
 
 /// The cluster without the images of some groups, and without models; it begins with the cameras of
 /// the model that there is.
@@ -46,7 +40,7 @@ std::vector<ImageId> largest_recycled(const ClusterProblem& rest, const ClusterP
     const LocalNumbers numbers(rest);
     std::vector<ImageId> largest;
     for (const auto& recycled : problem.recycled) {
-        std::vector<ImageId> images = ids_of(*recycled);
+        std::vector<ImageId> images = images_of(*recycled);
         std::erase_if(images, [&](ImageId image) { return !numbers.find(image); });
         if (policy.makes_model(images.size()) && images.size() > largest.size())
             largest = std::move(images);
@@ -61,7 +55,7 @@ Result<std::vector<ImageId>> model_within(const ClusterProblem& rest, const Clus
     if (!images.empty()) return images;
     const auto attempt = solve(rest);
     if (attempt.ok()) {
-        images = ids_of(attempt->model);
+        images = images_of(attempt->model);
     } else if (attempt.error().code == ErrorCode::kCancelled) {
         return attempt.error();
     }
@@ -112,7 +106,7 @@ Result<std::vector<std::vector<ImageId>>> places_of_left_out(const ClusterProble
                                                              const AttemptSolve& solve) {
     if (!problem.concluding || attempt.model.empty() || options.places.left_out == 0)
         return Groups{};
-    Groups models{ids_of(attempt.model)};
+    Groups models{images_of(attempt.model)};
     for (;;) {
         const ClusterProblem rest = without(models, attempt.model, problem);
         if (!options.policy.makes_model(rest.images.size())) break;
