@@ -244,6 +244,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.rotation_averaging.norm, 0, 1, "L1 norm of a residual: its length (0), its coordinates (1)", "ours; Chatterjee & Govindu 2013: 1"),
     PSFM_OPTION(solve.rotation_averaging.refine_iterations, 0, kCount, "linearisations of reweighted least squares after that", "ours; docs/look-alikes.md; paper: 0"),
     PSFM_OPTION(solve.rotation_averaging.strongest_edges_per_node, 0, kCount, "edges of an image that pull at the rotations; 0: all", "paper"),
+    PSFM_OPTION(solve.rotation_averaging.turn_again_factor, 0, 1e9, "parts are turned again where so many times more speaks for it, beyond one edge; 0: never", "ours, on ioniq5 at 800 px; docs/look-alikes.md; paper: 0"),
     PSFM_OPTION(solve.rotation_averaging.vote_power, 0, 10, "power of an edge's weight with which it votes where parts are joined", "ours, on a simulated temple and quad-streams"),
     PSFM_OPTION(solve.rotation_averaging.weight_power, 0, 10, "power of an edge's weight with which it counts", "paper"),
     NamedOption{"solve.plausibility", "edges count with their plausibility, too, when rotations are averaged (0, 1)", "ours; docs/look-alikes.md; paper: 0", 0, 1,

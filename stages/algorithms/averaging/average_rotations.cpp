@@ -94,6 +94,8 @@ Result<void> validate(const RotationAveragingOptions& options) {
     }
     if (!(options.convergence_deg > 0.0)) return invalid("convergence_deg must be positive");
     if (!(options.consensus_deg >= 0.0)) return invalid("consensus_deg must not be negative");
+    if (!(options.turn_again_factor >= 0.0))
+        return invalid("turn_again_factor must not be negative");
     if (!(options.loss_scale_deg > 0.0)) return invalid("loss_scale_deg must be positive");
     if (options.max_iterations > 0 && options.max_solver_iterations == 0) {
         return invalid("max_solver_iterations must be at least 1");
@@ -110,8 +112,7 @@ Result<RotationAveraging> average_rotations(std::span<const RelativeRotation> ed
     const std::vector<WeightedEdge> weighted = weights_of(edges);
     StartRotations start =
         options.consensus_deg > 0.0
-            ? rotations_by_consensus(edges, heaviest_first(weighted), node_count,
-                                     options.consensus_deg, options.vote_power)
+            ? rotations_by_consensus(edges, heaviest_first(weighted), node_count, options)
             : rotations_of_forest(edges, maximum_spanning_forest(weighted, node_count), node_count);
 
     RotationAveraging result;

@@ -4,15 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
+#include "stages/algorithms/averaging/rotation_votes.h"
+#include "stages/algorithms/averaging/turn_parts.h"
 #include "stages/algorithms/math/angles.h"
 
 namespace psfm {
 namespace {
 
 constexpr auto kUnseen = static_cast<std::uint32_t>(-1);  // Format: says that there is none
+constexpr std::size_t kLargestRatio = 8;  // Guard: the nodes of all parts together grow with it
 
 /// Parts of the graph that have been joined, each in a reference frame of its own.
 class JoinedParts {
@@ -41,27 +45,29 @@ class JoinedParts {
         std::uint32_t small = part_of_[i];
         std::uint32_t large = part_of_[j];
         if (touching_[small].size() > touching_[large].size()) std::swap(small, large);
-        const Eigen::Quaterniond large_from_small = consensus(votes(small, large), max_rad);
+        const Eigen::Quaterniond large_from_small =
+            consensus_of(votes(small, large), max_rad, VoteCount::kAll);
         for (const std::uint32_t node : nodes_[small]) {
             node_from_part_[node] =
                 (node_from_part_[node] * large_from_small.conjugate()).normalized();
             part_of_[node] = large;
         }
+        joined_.push_back(nodes_[small]);
+        if (nodes_[large].size() <= kLargestRatio * nodes_[small].size())
+            joined_.push_back(nodes_[large]);
         append(nodes_[large], nodes_[small]);
         append(touching_[large], touching_[small]);
     }
 
     const std::vector<Eigen::Quaterniond>& node_from_part() const { return node_from_part_; }
     std::uint32_t part_of(std::uint32_t node) const { return part_of_[node]; }
+    /// Of each two that were joined, in this order, the smaller one, and the larger one where it is
+    /// not much larger.
+    const std::vector<std::vector<std::uint32_t>>& joined() const { return joined_; }
 
   private:
-    struct Vote {
-        Eigen::Quaterniond large_from_small;
-        double weight = 0.0;
-    };
-
     /// What each edge between two parts says, strongest first.
-    std::vector<Vote> votes(std::uint32_t small, std::uint32_t large) {
+    std::vector<RotationVote> votes(std::uint32_t small, std::uint32_t large) {
         // Edges within the part are of no use any more.
         std::vector<std::uint32_t> between;
         std::erase_if(touching_[small], [&](std::uint32_t e) {
@@ -71,7 +77,7 @@ class JoinedParts {
             return a == b;
         });
         std::ranges::sort(between, {}, [&](std::uint32_t e) { return rank_[e]; });
-        std::vector<Vote> result;
+        std::vector<RotationVote> result;
         result.reserve(between.size());
         for (const std::uint32_t e : between) {
             const RelativeRotation& edge = edges_[e];
@@ -85,33 +91,6 @@ class JoinedParts {
         return result;
     }
 
-    /// The mean of the votes that agree with the one that most weight agrees with.
-    static Eigen::Quaterniond consensus(const std::vector<Vote>& votes, double max_rad) {
-        // Guard: time grows with its product with the votes.
-        constexpr std::size_t kCandidates = 64;
-        const auto agrees = [&](const Vote& vote, const Eigen::Quaterniond& with) {
-            return vote.large_from_small.angularDistance(with) <= max_rad;
-        };
-        Eigen::Quaterniond best = votes.front().large_from_small;
-        double best_weight = 0.0;
-        for (std::size_t c = 0; c < std::min(votes.size(), kCandidates); ++c) {
-            double weight = 0.0;
-            for (const Vote& vote : votes) {
-                if (agrees(vote, votes[c].large_from_small)) weight += vote.weight;
-            }
-            if (weight <= best_weight) continue;
-            best_weight = weight;
-            best = votes[c].large_from_small;
-        }
-        Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-        for (const Vote& vote : votes) {
-            if (!agrees(vote, best)) continue;
-            const double sign = vote.large_from_small.dot(best) < 0.0 ? -1.0 : 1.0;
-            sum += sign * vote.weight * vote.large_from_small.coeffs();
-        }
-        return Eigen::Quaterniond(sum).normalized();
-    }
-
     static void append(std::vector<std::uint32_t>& to, std::vector<std::uint32_t>& from) {
         to.insert(to.end(), from.begin(), from.end());
         from = {};
@@ -123,8 +102,20 @@ class JoinedParts {
     std::vector<std::uint32_t> part_of_;
     std::vector<std::vector<std::uint32_t>> nodes_;     ///< by part
     std::vector<std::vector<std::uint32_t>> touching_;  ///< by part: edges with an end in it
+    std::vector<std::vector<std::uint32_t>> joined_;
     std::vector<Eigen::Quaterniond> node_from_part_;
 };
+
+/// Each node by itself, then the parts.
+std::vector<std::vector<std::uint32_t>> nodes_and(
+    const std::vector<std::vector<std::uint32_t>>& parts, std::uint32_t node_count) {
+    std::vector<std::vector<std::uint32_t>> all;
+    all.reserve(node_count + parts.size());
+    for (std::uint32_t node = 0; node < node_count; ++node) all.push_back({node});
+    std::ranges::copy_if(parts, std::back_inserter(all),
+                         [](const auto& part) { return part.size() > 1; });
+    return all;
+}
 
 }  // namespace
 
@@ -166,14 +157,17 @@ StartRotations rotations_of_forest(std::span<const RelativeRotation> edges,
 
 StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
                                       std::span<const std::uint32_t> heaviest_first,
-                                      std::uint32_t node_count, double max_deg, double vote_power) {
+                                      std::uint32_t node_count,
+                                      const RotationAveragingOptions& options) {
     std::vector<std::uint32_t> rank(edges.size());
     for (std::uint32_t place = 0; place < rank.size(); ++place) rank[heaviest_first[place]] = place;
-    JoinedParts parts(edges, rank, node_count, vote_power);
+    JoinedParts parts(edges, rank, node_count, options.vote_power);
     for (const std::uint32_t e : heaviest_first) {
         if (!parts.are_joined(edges[e].i, edges[e].j))
-            parts.join(edges[e].i, edges[e].j, radians_from_degrees(max_deg));
+            parts.join(edges[e].i, edges[e].j, radians_from_degrees(options.consensus_deg));
     }
+    std::vector<Eigen::Quaterniond> node_from_part = parts.node_from_part();
+    turn_parts(edges, rank, nodes_and(parts.joined(), node_count), options, node_from_part);
     StartRotations start;
     std::vector<std::uint32_t> reference_of_part(node_count, kUnseen);
     for (std::uint32_t node = 0; node < node_count; ++node) {
@@ -185,8 +179,7 @@ StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
             start.component.push_back(start.component[reference]);
         }
         start.node_from_reference.push_back(
-            (parts.node_from_part()[node] * parts.node_from_part()[reference].conjugate())
-                .normalized());
+            (node_from_part[node] * node_from_part[reference].conjugate()).normalized());
     }
     return start;
 }

@@ -25,12 +25,13 @@ StartRotations rotations_of_forest(std::span<const RelativeRotation> edges,
 
 /// Joins parts in the order of the maximum spanning tree; but how two parts stand to each other is
 /// decided by all edges between them: the rotation that edges of most weight agree on within
-/// max_deg, and their mean; votes count weight^vote_power. One strong wrong edge cannot turn two
-/// parts that many weaker right edges join (ours; docs/look-alikes.md). REQUIRES: as
-/// average_rotations
+/// consensus_deg, and their mean; votes count weight^vote_power. One strong wrong edge cannot turn
+/// two parts that many weaker right edges join (ours; docs/look-alikes.md). What was decided while
+/// parts were small is asked again at the end (turn_parts). REQUIRES: as average_rotations
 /// @param heaviest_first  all edges by index, strongest first
 StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
                                       std::span<const std::uint32_t> heaviest_first,
-                                      std::uint32_t node_count, double max_deg, double vote_power);
+                                      std::uint32_t node_count,
+                                      const RotationAveragingOptions& options);
 
 }  // namespace psfm

@@ -239,8 +239,10 @@ struct SolveOptions {
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's
     /// L1 optimum folds rings whose wrong edges agree with one another; this does not, and takes a
     /// tenth of the time (docs/look-alikes.md).
-    RotationAveragingOptions rotation_averaging{
-        .consensus_deg = 10.0, .max_iterations = 0, .refine_iterations = 20};
+    RotationAveragingOptions rotation_averaging{.consensus_deg = 10.0,
+                                                .turn_again_factor = 10.0,
+                                                .max_iterations = 0,
+                                                .refine_iterations = 20};
     /// An edge counts with its inliers times its plausibility when rotations are averaged: many
     /// look-alikes a little way round a symmetric scene outnumber the few true edges between two
     /// parts that only just meet, and have as many inliers each. None: with its inliers, as in the
