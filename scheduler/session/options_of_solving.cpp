@@ -218,6 +218,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.ties.min_gain, 1, 1000, "factor by which a camera of its own lowers an image's error", "ours; docs/accuracy.md"),
     PSFM_OPTION(solve.ties.min_observations, 1, kCount, "observations that say something of a camera", "not tuned"),
     PSFM_OPTION(solve.ties.points_per_image, 1, kCount, "points that are looked at, seen by each image", "not tuned"),
+    PSFM_OPTION(solve.ties.second_coefficient, 0, 1, "whether cameras are one where two radial coefficients explain them all, though one does not (1)", "ours, on brighton with a barrel distortion"),
 
     PSFM_OPTION(solve.initialization.max_pairs, 1, kCount, "pairs tried for one start", "not tuned"),
     PSFM_OPTION(solve.initialization.max_starts, 1, 1000, "starts of one solve while no model has half of the cluster", "not tuned"),

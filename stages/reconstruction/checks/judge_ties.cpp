@@ -48,16 +48,26 @@ std::map<ImageId, Costs> costs_of(const WorkingModel& model,
     return costs;
 }
 
+void give_second_coefficient(WorkingModel& model) {
+    for (const auto& [id, camera] : model.cameras()) {
+        if (camera.model == CameraModel::kSimpleRadial &&
+            camera.focal_source != FocalSource::kGiven)
+            model.mutable_camera(id).model = CameraModel::kRadial;
+    }
+}
+
 /// A model adjusted with given ties, and what is left of its observations' losses.
 struct Adjusted {
     std::shared_ptr<const Reconstruction> model;  ///< null when that was not possible
     std::map<ImageId, Costs> costs;
 };
 
+/// @param coefficients  radial ones that lenses which are not given have at least
 Adjusted adjusted(const std::shared_ptr<const Reconstruction>& model, const ClusterProblem& problem,
-                  const CameraTies& ties, const TieOptions& options) {
+                  const CameraTies& ties, std::uint32_t coefficients, const TieOptions& options) {
     ModelAlone alone(model, problem, ties);
     WorkingModel& working = alone.model;
+    if (coefficients > 1) give_second_coefficient(working);
     AdjustmentScope scope = full_scope(working, true);
     scope.points = covering_points(working, {}, options.points_per_image);
     const AdjustmentOptions adjustment{
@@ -74,10 +84,10 @@ Adjusted adjusted(const std::shared_ptr<const Reconstruction>& model, const Clus
 }
 
 /// Each camera of a kind, by kind.
-std::map<std::uint32_t, std::vector<ReleasedCamera>> compare(const Adjusted& together,
-                                                             const Adjusted& apart,
-                                                             const ClusterProblem& problem,
-                                                             const TieOptions& options) {
+using Kinds = std::map<std::uint32_t, std::vector<ReleasedCamera>>;
+
+Kinds compare(const Adjusted& together, const Adjusted& apart, const ClusterProblem& problem,
+              const TieOptions& options) {
     std::map<CameraId, ReleasedCamera> released;
     for (const ClusterImage& image : problem.images) {
         const auto own = apart.costs.find(image.id);
@@ -96,7 +106,7 @@ std::map<std::uint32_t, std::vector<ReleasedCamera>> compare(const Adjusted& tog
         camera.own_cost += own->second.sum;
         camera.observations += own->second.observations;
     }
-    std::map<std::uint32_t, std::vector<ReleasedCamera>> kinds;
+    Kinds kinds;
     for (auto& [id, camera] : released) {
         camera.tied_cost /= static_cast<double>(camera.observations);
         camera.own_cost /= static_cast<double>(camera.observations);
@@ -104,6 +114,17 @@ std::map<std::uint32_t, std::vector<ReleasedCamera>> compare(const Adjusted& tog
         kinds[problem.alike.at(id)].push_back(camera);
     }
     return kinds;
+}
+
+bool any_deviates(const Kinds::value_type& kind) {
+    return std::ranges::any_of(kind.second, &ReleasedCamera::deviates);
+}
+
+/// Kinds that a better lens explains whole: none of theirs deviates.
+void excuse(Kinds& kinds, const Kinds& with_better_lens) {
+    for (const auto& kind : with_better_lens) {
+        if (!any_deviates(kind)) kinds[kind.first] = kind.second;
+    }
 }
 
 /// Where some of a kind deviate, all are sorted by focal length, and parted where these leave a
@@ -155,13 +176,17 @@ TieVerdict judge_ties(const std::shared_ptr<const Reconstruction>& model,
                       const SolveOptions& options) {
     TieVerdict verdict{ties, model, {}};
     const CameraTies all = all_tied(problem);
-    const Adjusted together = adjusted(model, problem, all, options.ties);
+    const Adjusted together = adjusted(model, problem, all, 1, options.ties);
     if (!together.model) return verdict;
     // What was tied differently is nearer to what each is by itself than what was bent together.
     const Adjusted apart =
-        adjusted(ties == all ? together.model : model, problem, untied(problem), options.ties);
+        adjusted(ties == all ? together.model : model, problem, untied(problem), 1, options.ties);
     if (!apart.model) return verdict;
-    const auto kinds = compare(together, apart, problem, options.ties);
+    auto kinds = compare(together, apart, problem, options.ties);
+    if (options.ties.second_coefficient && std::ranges::any_of(kinds, any_deviates)) {
+        const Adjusted with = adjusted(together.model, problem, all, 2, options.ties);
+        if (with.model) excuse(kinds, compare(with, apart, problem, options.ties));
+    }
 
     std::map<CameraId, std::size_t> labels = labels_of(all);
     std::size_t next = labels.size();

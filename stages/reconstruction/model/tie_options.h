@@ -33,6 +33,11 @@ struct TieOptions {
     /// Points that are looked at, about so many seen by each image. Raised: slower; lowered: focal
     /// lengths are less certain. Ours.
     std::uint32_t points_per_image = 400;
+    /// Whether cameras of a kind are of one where one lens of two radial coefficients explains all
+    /// of them together, though one of one coefficient does not. One coefficient says little of a
+    /// strongly distorting lens, and each photograph, which sees another part of it, has one that
+    /// suits it better. Ours, on photographs of brighton with a barrel distortion of 2 per cent.
+    bool second_coefficient = true;
     /// Of each adjustment that this takes. Lowered: what was bent is not bent back. Ours.
     int max_iterations = 50;
 };

@@ -63,6 +63,26 @@ TEST(SolveWithTies, AFlightOverFlatLandIsOfOneCamera) {
     EXPECT_EQ(solution.model->cameras.size(), 1U);
 }
 
+// One coefficient of a photograph's own suits the part of the lens that its points are seen through
+// better than one of all photographs does: that is no camera of its own.
+TEST(SolveWithTies, ALensThatOneCoefficientDoesNotDescribeIsOfOneCamera) {
+    synthetic::SceneOptions scene_options = synthetic::grid_over_ground(15);
+    scene_options.cameras.model = CameraModel::kRadial;
+    scene_options.cameras.k1 = -0.25;
+    scene_options.cameras.k2 = 0.125;
+    const SyntheticScene scene =
+        with_noise(with_own_cameras(synthetic::make_scene(scene_options, 3)), 3);
+    for (const bool second_coefficient : {false, true}) {
+        SCOPED_TRACE(second_coefficient);
+        SolveOptions options;
+        options.ties.second_coefficient = second_coefficient;
+        const auto solution = solve_cluster(problem_without_exif(scene), options);
+        ASSERT_TRUE(solution.ok());
+        ASSERT_EQ(solution->model->images.size(), 15U);
+        EXPECT_EQ(solution->model->cameras.size(), second_coefficient ? 1U : 15U);
+    }
+}
+
 TEST(SolveWithTies, EverySecondPhotographZoomedIsAnotherCamera) {
     for (const double factor : {1.54, 1.8}) {
         SCOPED_TRACE(factor);
