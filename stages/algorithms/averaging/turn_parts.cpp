@@ -34,14 +34,19 @@ class TurningParts {
     bool turn(std::span<const std::uint32_t> part) {
         const std::vector<RotationVote> votes = votes_around(part);
         if (votes.empty()) return false;
-        constexpr VoteCount kCount = VoteCount::kBeyondStrongest;
         const double max_rad = radians_from_degrees(options_.consensus_deg);
-        const double needed = options_.turn_again_factor *
-                              weight_for(Eigen::Quaterniond::Identity(), votes, max_rad, kCount);
-        const double all = weight_for(votes.front().rotation, votes, std::numbers::pi, kCount);
+        const auto speaks_for = [&](const Eigen::Quaterniond& rotation, VoteCount count) {
+            return weight_for(rotation, votes, max_rad, count);
+        };
+        const Eigen::Quaterniond as_it_is = Eigen::Quaterniond::Identity();
+        const double needed =
+            options_.turn_again_factor * speaks_for(as_it_is, VoteCount::kBeyondStrongest);
+        const double all = weight_for(as_it_is, votes, std::numbers::pi, VoteCount::kAll);
         if (all <= needed) return false;
-        const Eigen::Quaterniond turned = consensus_of(votes, max_rad, kCount);
-        if (weight_for(turned, votes, max_rad, kCount) <= needed) return false;
+        const Eigen::Quaterniond turned = consensus_of(votes, max_rad, VoteCount::kBeyondStrongest);
+        if (speaks_for(turned, VoteCount::kBeyondStrongest) <= needed ||
+            2.0 * speaks_for(turned, VoteCount::kAll) < speaks_for(as_it_is, VoteCount::kAll))
+            return false;
         for (const std::uint32_t node : part)
             node_from_reference_[node] = (node_from_reference_[node] * turned).normalized();
         return true;

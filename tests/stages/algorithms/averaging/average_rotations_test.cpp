@@ -192,7 +192,8 @@ TEST(AverageRotations, ManyWeakerEdgesOutvoteAStrongOne) {
 /// Three images that are joined first, and to the others at first by one edge: the strongest one
 /// around them. Theirs to all others are weaker, and come when it is decided. ioniq5 has this with
 /// the reflection of one image in another one.
-RotationGraph three_and_the_others(std::uint64_t seed) {
+/// @param others  weight of those
+RotationGraph three_and_the_others(std::uint64_t seed, double others, bool strongest_is_right) {
     RotationGraph graph = synthetic::make_random_rotations(
         {.nodes = 12, .density = 1.0, .noise_sigma_deg = 0.5, .outlier_fraction = 0.0}, seed);
     const auto& truth = graph.cam_from_world;
@@ -200,9 +201,10 @@ RotationGraph three_and_the_others(std::uint64_t seed) {
     for (synthetic::RotationEdge& edge : graph.edges) {
         const std::uint32_t i = index_of(edge.pair.first);
         const std::uint32_t j = index_of(edge.pair.second);
-        edge.weight = i < 3 && j < 3 ? 400.0 : i < 3 ? 100.0 : 150.0;
-        if (i == 2 && j == 3) {
-            edge.weight = 220.0;
+        const bool is_across = i < 3 && j >= 3;
+        const bool is_strongest = i == 2 && j == 3;
+        edge.weight = !is_across ? (i < 3 ? 400.0 : 150.0) : is_strongest ? 220.0 : others;
+        if (is_across && is_strongest != strongest_is_right) {
             edge.cam2_from_cam1 = truth[j] * turned * truth[i].conjugate();
             edge.truth = RotationEdgeTruth::kConsistent;
         }
@@ -214,10 +216,23 @@ TEST(AverageRotations, APartThatOneStrongEdgeTurnedIsAskedAgainWhenAllIsJoined) 
     RotationAveragingOptions options{
         .consensus_deg = 10.0, .max_iterations = 0, .refine_iterations = 20};
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
-        const RotationGraph graph = three_and_the_others(seed);
+        const RotationGraph graph = three_and_the_others(seed, 100.0, false);
         options.turn_again_factor = 0.0;
         EXPECT_EQ(kept_edges(graph, average(graph, options)).wrong, 1.0) << seed;
         options.turn_again_factor = 10.0;
+        const RotationAveraging result = average(graph, options);
+        EXPECT_EQ(kept_edges(graph, result).wrong, 0.0) << seed;
+        EXPECT_EQ(kept_edges(graph, result).right, 1.0) << seed;
+    }
+}
+
+TEST(AverageRotations, WeakEdgesThatAgreeTurnNoPartThatOneStrongEdgeHolds) {
+    const RotationAveragingOptions options{.consensus_deg = 10.0,
+                                           .turn_again_factor = 10.0,
+                                           .max_iterations = 0,
+                                           .refine_iterations = 0};
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+        const RotationGraph graph = three_and_the_others(seed, 20.0, true);
         const RotationAveraging result = average(graph, options);
         EXPECT_EQ(kept_edges(graph, result).wrong, 0.0) << seed;
         EXPECT_EQ(kept_edges(graph, result).right, 1.0) << seed;
