@@ -91,8 +91,8 @@ void turn_parts(std::span<const RelativeRotation> edges, std::span<const std::ui
                 const std::vector<std::vector<std::uint32_t>>& parts,
                 const RotationAveragingOptions& options,
                 std::vector<Eigen::Quaterniond>& node_from_reference) {
-    TurningParts turning(edges, rank, options, node_from_reference);
     if (options.turn_again_factor == 0.0) return;
+    TurningParts turning(edges, rank, options, node_from_reference);
     constexpr int kRounds = 3;  // Guard: parts may turn one another
     for (int round = 0; round < kRounds; ++round) {
         bool any = false;

@@ -21,10 +21,6 @@ namespace {
 
 using ModelPtr = std::shared_ptr<const Reconstruction>;
 
-bool has_one_coefficient(const Camera& camera) {
-    return camera.model == CameraModel::kSimpleRadial && camera.focal_source != FocalSource::kGiven;
-}
-
 /// Cameras of one coefficient that enough images share, ascending.
 std::vector<CameraId> candidates(const WorkingModel& model, std::uint32_t min_images) {
     std::vector<CameraId> cameras = cameras_with_images(model, min_images);
@@ -94,6 +90,10 @@ Result<bool> are_determined(LensQuestion question, const WorkingModel& without,
 }
 
 }  // namespace
+
+bool has_one_coefficient(const Camera& camera) {
+    return camera.model == CameraModel::kSimpleRadial && camera.focal_source != FocalSource::kGiven;
+}
 
 Result<ModelPtr> judge_lenses(const ModelPtr& model, const ClusterProblem& problem,
                               const CameraTies& ties, const SolveOptions& options,

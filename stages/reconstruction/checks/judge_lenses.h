@@ -13,6 +13,9 @@
 
 namespace psfm {
 
+/// Whether a camera may be asked for a second radial coefficient: it has one, and is not given.
+bool has_one_coefficient(const Camera& camera);
+
 /// A model whose cameras of one radial coefficient have a second one (SIMPLE_RADIAL becomes RADIAL)
 /// where many images share them, it takes away a clear part of the error, and it leaves the focal
 /// length as it was. Two adjustments of some of the points are compared, without and with the

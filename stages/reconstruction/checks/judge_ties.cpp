@@ -10,6 +10,7 @@
 
 #include "stages/algorithms/adjustment/reprojection_cost.h"
 #include "stages/reconstruction/adjust/thin_points.h"
+#include "stages/reconstruction/checks/judge_lenses.h"
 #include "stages/reconstruction/checks/model_alone.h"
 
 namespace psfm {
@@ -50,9 +51,7 @@ std::map<ImageId, Costs> costs_of(const WorkingModel& model,
 
 void give_second_coefficient(WorkingModel& model) {
     for (const auto& [id, camera] : model.cameras()) {
-        if (camera.model == CameraModel::kSimpleRadial &&
-            camera.focal_source != FocalSource::kGiven)
-            model.mutable_camera(id).model = CameraModel::kRadial;
+        if (has_one_coefficient(camera)) model.mutable_camera(id).model = CameraModel::kRadial;
     }
 }
 
