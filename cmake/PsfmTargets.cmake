@@ -62,7 +62,7 @@ function(psfm_add_library name)
   add_library(psfm_${name} STATIC ${ARG_SOURCES})
   add_library(psfm::${name} ALIAS psfm_${name})
   set_target_properties(psfm_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
-                        UNITY_BUILD_BATCH_SIZE ${PSFM_COMPILED_TOGETHER})
+                        UNITY_BUILD "${PSFM_UNITY_BUILD}" UNITY_BUILD_BATCH_SIZE ${PSFM_COMPILED_TOGETHER})
   target_include_directories(psfm_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                      $<INSTALL_INTERFACE:${PSFM_INSTALL_INCLUDE}>)
   target_link_libraries(psfm_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:psfm_flags>

@@ -5,19 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <set>
 #include <utility>
 
 #include "graph/rigid3.h"
+#include "stages/algorithms/math/angles.h"
 #include "tests/synthetic/compare.h"
 #include "tests/synthetic/rng.h"
 #include "tests/synthetic/verified_pairs.h"
 
 namespace psfm::synthetic {
 namespace {
-
-constexpr double kRadians = std::numbers::pi / 180.0;
 
 /// Relative rotation that absolute ones imply.
 Eigen::Quaterniond relative(const std::vector<Eigen::Quaterniond>& cam_from_world, ImagePair pair) {
@@ -44,7 +42,7 @@ std::set<ImagePair> random_tree(std::uint32_t nodes, Rng& rng) {
 /// Camera at an angle on a ring about the z axis that looks inward, z up.
 Eigen::Quaterniond ring_rotation(double angle_deg) {
     const Eigen::Quaterniond turn(
-        Eigen::AngleAxisd(angle_deg * kRadians, Eigen::Vector3d::UnitZ()));
+        Eigen::AngleAxisd(radians_from_degrees(angle_deg), Eigen::Vector3d::UnitZ()));
     Eigen::Matrix3d facing_minus_x;  // rows: right, down, forward of the camera at angle 0
     facing_minus_x << 0, 1, 0, 0, 0, -1, -1, 0, 0;
     return (Eigen::Quaterniond(facing_minus_x) * turn.conjugate()).normalized();
@@ -76,10 +74,10 @@ RotationGraph make_random_rotations(const RandomRotationOptions& options, std::u
                 edge.truth = RotationEdgeTruth::kRandom;
                 do {
                     edge.cam2_from_cam1 = rng.rotation();
-                } while (angle_between(edge.cam2_from_cam1, truth) < 20.0 * kRadians);
+                } while (angle_between(edge.cam2_from_cam1, truth) < radians_from_degrees(20.0));
             } else {
                 edge.cam2_from_cam1 =
-                    rng.small_rotation(options.noise_sigma_deg * kRadians) * truth;
+                    rng.small_rotation(radians_from_degrees(options.noise_sigma_deg)) * truth;
             }
             graph.edges.push_back(edge);
         }
@@ -113,7 +111,8 @@ FoldedRing make_folded_ring(const FoldedRingOptions& options, std::uint64_t seed
             const Eigen::Quaterniond exact =
                 ring_rotation(angle_deg + seen_deg) * ring_rotation(angle_deg).conjugate();
             edge.cam2_from_cam1 =
-                (rng.small_rotation(options.noise_sigma_deg * kRadians) * exact).normalized();
+                (rng.small_rotation(radians_from_degrees(options.noise_sigma_deg)) * exact)
+                    .normalized();
             if (edge.weight >= std::max(options.min_weight, 1.0)) ring.graph.edges.push_back(edge);
         }
     }
@@ -122,7 +121,8 @@ FoldedRing make_folded_ring(const FoldedRingOptions& options, std::uint64_t seed
 
 double edge_error_deg(const RotationEdge& edge,
                       const std::vector<Eigen::Quaterniond>& cam_from_world) {
-    return angle_between(edge.cam2_from_cam1, relative(cam_from_world, edge.pair)) / kRadians;
+    return degrees_from_radians(
+        angle_between(edge.cam2_from_cam1, relative(cam_from_world, edge.pair)));
 }
 
 double max_rotation_error_deg(const std::vector<Eigen::Quaterniond>& estimated,
@@ -135,7 +135,7 @@ double max_rotation_error_deg(const std::vector<Eigen::Quaterniond>& estimated,
     const Eigen::Quaterniond mean = mean_rotation(world_from_gauge);
     double largest = 0.0;
     for (const Eigen::Quaterniond& rotation : world_from_gauge) {
-        largest = std::max(largest, angle_between(rotation, mean) / kRadians);
+        largest = std::max(largest, degrees_from_radians(angle_between(rotation, mean)));
     }
     return largest;
 }

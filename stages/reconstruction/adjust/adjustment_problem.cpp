@@ -158,6 +158,16 @@ std::optional<Camera> refined_camera(const AdjustmentParameters& parameters,
     return refined;
 }
 
+/// Whether a focal length is one that photographs have. A longer one, as of a telescope, is known
+/// from the start.
+bool has_common_focal(const Camera& camera) {
+    // Guard: over the longer side. COLMAP 3.8's min_focal_length_ratio, and a view of 10 degrees.
+    constexpr double kShortest = 0.1;
+    constexpr double kLongest = 5.7;
+    const double relative = camera.mean_focal() / std::max(camera.width, camera.height);
+    return relative >= kShortest && relative <= kLongest;
+}
+
 }  // namespace
 
 std::vector<CameraId> senseless_cameras(const AdjustmentParameters& parameters,
@@ -165,8 +175,11 @@ std::vector<CameraId> senseless_cameras(const AdjustmentParameters& parameters,
     std::vector<CameraId> senseless;
     for (const CameraId camera : scope.free_cameras) {
         const auto refined = refined_camera(parameters, model, parameters.owner_of(camera));
+        if (!refined) continue;
+        const bool runs_away =
+            has_common_focal(model.cameras().at(camera)) && !has_common_focal(*refined);
         // Expected: that is the question
-        if (refined && !validate(*refined).ok()) senseless.push_back(camera);
+        if (runs_away || !validate(*refined).ok()) senseless.push_back(camera);
     }
     return senseless;
 }

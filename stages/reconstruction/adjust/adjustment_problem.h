@@ -64,8 +64,8 @@ int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& ga
 std::vector<int> held_intrinsics(const WorkingModel& model, const AdjustmentScope& scope,
                                  CameraId camera);
 
-/// Free cameras whose intrinsics make no sense now (validate), and those that share them,
-/// ascending.
+/// Free cameras whose intrinsics make no sense now (validate), or whose focal length has left the
+/// range of photographs', and those that share them, ascending.
 std::vector<CameraId> senseless_cameras(const AdjustmentParameters& parameters,
                                         const AdjustmentScope& scope, const WorkingModel& model);
 

@@ -14,7 +14,7 @@
 namespace psfm::synthetic {
 namespace {
 
-constexpr double kEyeHeight = 1.7;  // [m]
+constexpr double kWalkerHeight = 1.7;  // [m]
 /// Images are about this far apart [m], each street is walked this often: so an image overlaps some
 /// tens of others.
 constexpr double kStep = 1.0;
@@ -94,7 +94,7 @@ void add_walk(const Walk& walk, const Town& town, const std::vector<Facade>& fac
     for (std::uint32_t i = 0; i < walk.images; ++i) {
         const double way = (length - kOutlook) * ((i + 0.5) / walk.images);
         const Eigen::Vector3d centre = walk.street.middle + (way - 0.5 * length) * ahead +
-                                       lateral * left + Eigen::Vector3d(0, 0, kEyeHeight) +
+                                       lateral * left + Eigen::Vector3d(0, 0, kWalkerHeight) +
                                        0.1 * rng.normal3();
         const double pan =
             kPanRad * std::sin(2.0 * std::numbers::pi * (way / kPanPeriod + walk.pan_phase)) +

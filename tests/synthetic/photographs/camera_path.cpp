@@ -3,20 +3,18 @@
 #include "tests/synthetic/photographs/camera_path.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "stages/algorithms/math/angles.h"
 #include "tests/synthetic/rng.h"
 
 namespace psfm::synthetic {
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180.0;
-
 Rigid3 on_ring(const CameraOptions& options, std::uint32_t i) {
     // A whole circle ends where it began, an arc has a camera at either end.
     const bool closed = options.arc_deg >= 360.0;
     const double steps = closed || options.count == 1 ? options.count : options.count - 1;
-    const double angle = options.arc_deg * kRadians * i / steps;
+    const double angle = radians_from_degrees(options.arc_deg) * i / steps;
     const Eigen::Vector3d away(std::cos(angle), std::sin(angle), 0.0);
     const Eigen::Vector3d centre =
         options.radius * away + options.height * Eigen::Vector3d::UnitZ();
@@ -83,7 +81,8 @@ std::vector<Rigid3> make_poses(const CameraOptions& options, std::uint64_t seed)
         }
         const Eigen::Vector3d centre =
             pose.target_origin_in_source() + options.shift_sigma * rng.normal3();
-        pose.rotation = rng.small_rotation(options.turn_sigma_deg * kRadians) * pose.rotation;
+        pose.rotation =
+            rng.small_rotation(radians_from_degrees(options.turn_sigma_deg)) * pose.rotation;
         pose.translation = -(pose.rotation * centre);
         poses.push_back(pose);
     }

@@ -5,14 +5,13 @@
 #include <cstdio>
 #include <numbers>
 
+#include "stages/algorithms/math/angles.h"
 #include "tests/synthetic/photographs/render.h"
 #include "tests/synthetic/rng.h"
 #include "tests/synthetic/scene.h"
 
 namespace psfm::synthetic {
 namespace {
-
-constexpr double kRadians = std::numbers::pi / 180.0;
 
 Camera plan_camera(const PhotoSetOptions& options) {
     const std::uint32_t long_side = std::max(options.width, options.height);
@@ -61,7 +60,8 @@ Rigid3 plan_pose(const PhotoSetOptions& options, std::uint32_t i, Rng& rng) {
         target = {0.8 * x + rng.uniform(-0.2, 0.2), 0.0, 1.6 + rng.uniform(-0.1, 0.1)};
     }
     Rigid3 pose = look_at(centre, target);
-    const Eigen::AngleAxisd roll(rng.uniform(-2.0, 2.0) * kRadians, Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd roll(radians_from_degrees(rng.uniform(-2.0, 2.0)),
+                                 Eigen::Vector3d::UnitZ());
     pose.rotation = (roll * pose.rotation).normalized();
     pose.translation = -(pose.rotation * centre);
     return pose;
@@ -71,7 +71,7 @@ Rigid3 plan_pose(const PhotoSetOptions& options, std::uint32_t i, Rng& rng) {
 /// upright: the stored image's left (right) side was up.
 Rigid3 rolled(const Rigid3& cam_from_world, std::uint8_t orientation) {
     const double angle = orientation == 6 ? -90.0 : 90.0;
-    const Eigen::AngleAxisd roll(angle * kRadians, Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd roll(radians_from_degrees(angle), Eigen::Vector3d::UnitZ());
     return Rigid3{Eigen::Quaterniond(roll), Eigen::Vector3d::Zero()} * cam_from_world;
 }
 
