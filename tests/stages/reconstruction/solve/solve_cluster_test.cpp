@@ -50,7 +50,7 @@ TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
 }
 
 TEST(SolveCluster, AFirstModelSettlesOnlyOnceNoPhotographFollows) {
-    const SyntheticScene scene = noisy_ring(6, 1);
+    const SyntheticScene scene = noisy_ring(8, 1);
     ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
     SolveOptions options;
     options.growth.max_rounds = 1;
