@@ -231,8 +231,7 @@ TEST(ModelsOfASession, AreAwakeWhenTheirClustersJoin) {
     const Bridge bridge;
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
-    SerialSession session(*store, bridge.scene, bridge.pairs, true,
-                          ClusteringOptions{.join_below = 0}, {.mu_min = 5});
+    SerialSession session(*store, bridge.scene, bridge.pairs);
     session.keep_idle(0);
     const ClusterTable& clusters = session.state().clusters;
     for (std::uint32_t i = 0; i + 1 < Bridge::kImages; ++i) ASSERT_TRUE(session.add_image());
