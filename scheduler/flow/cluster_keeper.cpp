@@ -175,6 +175,9 @@ Result<StoredEdit> ClusterKeeper::apply(const ClusteringEdit& edit, const EdgeCh
     std::vector<ClusterId> rehosted;
     const std::vector<ClusterChange> changes =
         state_->clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
+    const auto awake_again = state_->models.use(rehosted, state_->clusters, *store_);
+    if (!awake_again.ok()) return awake_again.error();
+    state_->clusters.leave_out_who_left(rehosted);
     state_->clusters.edges_changed(edges.images);
     for (const ClusterChange& change : changes) outbox_->tell(describe_change(change), *state_);
     state_->counts.solves_skipped += static_cast<std::uint32_t>(
@@ -271,6 +274,8 @@ StoredCluster ClusterKeeper::stored(const ClusterEntry& entry) const {
     cluster.transfer_topology = entry.material.transfer_topology;
     cluster.adopted = state_->clusters.adopted_by(entry);
     cluster.apart = apart_pairs_of(state_->edges, entry.membership.members);
+    cluster.at_rest = state_->concluding;
+    cluster.abandoned = entry.published.revision > 0 && !entry.published.model;
     for (const auto& [source, revision] : entry.material.brought) {
         if (source != entry.id) cluster.recycled.push_back({source, revision});
     }

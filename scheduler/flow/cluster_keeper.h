@@ -24,7 +24,11 @@ class ClusterKeeper {
     /// REQUIRES: all of them outlive this
     ClusterKeeper(SessionStore& store, const StageOptions& options, SessionState& state,
                   Outbox& outbox)
-        : store_(&store), options_(&options), state_(&state), outbox_(&outbox) {}
+        : store_(&store),
+          options_(&options),
+          state_(&state),
+          outbox_(&outbox),
+          places_forgotten_at_(state.concluding ? state.verified : 0) {}
 
     /// A new image has its pairs. @errors those of the store
     Result<StoredEdit> add_image(ImageId image, const std::vector<VerifiedPairPtr>& pairs);
@@ -74,8 +78,8 @@ class ClusterKeeper {
     const StageOptions* options_;
     SessionState* state_;
     Outbox* outbox_;
-    std::uint32_t places_forgotten_at_ = 0;  // verified images when that happened last
-    std::set<ImagePair> tried_again_;        // since then: apart_before took them back
+    std::uint32_t places_forgotten_at_;  // verified images when that happened last
+    std::set<ImagePair> tried_again_;    // since then: apart_before took them back
     /// Mathematics: more than there can be.
     static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);
     /// reunite_places() asks only while fewer pairs than this are held apart. At first of any

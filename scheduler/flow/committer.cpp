@@ -50,7 +50,7 @@ Result<void> Committer::on(const VerifiedMessage& message, CommitOutput& /*outpu
     if (!message.pairs->ok()) return message.pairs->error();
     const auto start = Clock::now();
     const std::vector<VerifiedPairPtr>& pairs = message.pairs->value();
-    concluding_ = false;
+    state_.concluding = false;
     const auto edit = keeper_.add_image(message.image, pairs);
     if (!edit.ok()) return edit.error();
     if (const auto done = store_->commit_pairs(message.image, pairs, edit->changed, edit->removed);

@@ -126,8 +126,6 @@ class Committer {
     std::deque<ClusterId> to_settle_;  // taken from the table, and not begun yet
     std::size_t settling_ = 0;         // begun, and not solved yet
     std::size_t settles_at_once_ = 8;
-    /// No photograph has come since the session was at rest: what is solved looks at weak edges.
-    bool concluding_ = false;
     std::size_t solving_ = 0;            // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
     bool failed_ = false;

@@ -12,7 +12,7 @@
 namespace psfm {
 
 Result<void> Committer::conclude(CommitOutput& output) {
-    concluding_ = true;
+    state_.concluding = true;
     if (!std::exchange(settle_first_, false)) {
         auto edit = keeper_.forget_places();
         if (edit.ok() && !changes_clusters(*edit)) edit = keeper_.join_late();

@@ -19,7 +19,7 @@ Result<std::shared_ptr<const ClusterProblem>> Committer::problem_of(const Cluste
     if (!read.ok()) return read.error();
     const auto awake = state_.models.use(std::span(&entry.id, 1), state_.clusters, *store_);
     if (!awake.ok()) return awake.error();
-    return make_cluster_problem(state_, config_, options_.solve, entry, settle, concluding_);
+    return make_cluster_problem(state_, config_, options_.solve, entry, settle);
 }
 
 Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clusters, bool settle,

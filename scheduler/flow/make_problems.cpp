@@ -110,8 +110,7 @@ void calibrate_kinds(const SessionState& state, const SessionConfig& config, con
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
                                                            const SolveOptions& options,
-                                                           const ClusterEntry& entry, bool settle,
-                                                           bool conclude) {
+                                                           const ClusterEntry& entry, bool settle) {
     auto problem = std::make_shared<ClusterProblem>();
     problem->cluster = entry.id;
     problem->topology = entry.membership.topology;
@@ -122,7 +121,7 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->recycled_state = entry.material.state;
     problem->fix_intrinsics = config.fix_intrinsics;
     problem->settle = settle;
-    problem->concluding = settle || conclude;
+    problem->concluding = settle || state.concluding;
     problem->seed = config.seed;
     const std::vector<ImageId> images = state.clusters.images_of(entry);
     problem->view_graph = state.view_graph;
@@ -160,13 +159,6 @@ std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const Sess
     if (std::ranges::any_of(state.images, is_located))
         problem->evidence = evidence_of(state.images);
     return problem;
-}
-
-bool is_shown(const ClusterEntry& entry, const Scene& scene) {
-    const auto shown = std::ranges::lower_bound(scene.clusters, entry.id, {},
-                                                [](const auto& cluster) { return cluster->id; });
-    return shown != scene.clusters.end() && (*shown)->id == entry.id &&
-           (*shown)->revision == (entry.published.model ? entry.published.revision : 0);
 }
 
 std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config) {

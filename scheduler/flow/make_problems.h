@@ -16,19 +16,14 @@ namespace psfm {
 /// What solving a cluster needs, cut out of the session's state. Features and pairs are shared, not
 /// copied.
 /// @param settle  adjust to convergence instead of adding images
-/// @param conclude  no photograph has come since the session was at rest
 std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& state,
                                                            const SessionConfig& config,
                                                            const SolveOptions& options,
-                                                           const ClusterEntry& entry, bool settle,
-                                                           bool conclude = false);
+                                                           const ClusterEntry& entry, bool settle);
 
 /// All clusters with the view graph's edges between placed images of different ones. Models of
 /// clusters that rest are without points.
 std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config);
-
-/// Whether a version shows a cluster as it is now.
-bool is_shown(const ClusterEntry& entry, const Scene& scene);
 
 /// Images that a solved cluster could not place and that have edges to what other clusters place:
 /// to be tried against the merged model, ascending. Not those that were adopted already: they stay

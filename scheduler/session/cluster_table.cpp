@@ -13,7 +13,21 @@ bool has_model(const std::shared_ptr<const Reconstruction>& model) {
     return model && !model->empty();
 }
 
+/// Whether a cluster's own model is among what its next solve starts from.
+bool has_own(const SolveMaterial& material, ClusterId cluster) {
+    return std::ranges::any_of(material.models, [&](const RecycledModel& recycled) {
+        return recycled.cluster == cluster;
+    });
+}
+
 }  // namespace
+
+bool is_shown(const ClusterEntry& entry, const Scene& scene) {
+    const auto shown = std::ranges::lower_bound(scene.clusters, entry.id, {},
+                                                [](const auto& cluster) { return cluster->id; });
+    return shown != scene.clusters.end() && (*shown)->id == entry.id &&
+           (*shown)->revision == (entry.published.model ? entry.published.revision : 0);
+}
 
 /// Models whose images move together to another cluster, whole: by the cluster they move to.
 std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
@@ -53,6 +67,7 @@ bool ClusterTable::keep_members(ClusterEntry& entry) const {
     std::erase_if(entry.material.models, [&](const RecycledModel& recycled) {
         return !makes_model(recycled.model->images.size());
     });
+    if (!has_own(entry.material, entry.id)) entry.material.state = {};
     // The published model would show images twice that are another cluster's by now.
     if (std::shared_ptr<const Reconstruction> model = entry.published.model; model && cut(model))
         set_model(entry, !makes_model(model->images.size()) ? nullptr : std::move(model));
@@ -110,6 +125,10 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
     return changes;
 }
 
+void ClusterTable::leave_out_who_left(std::span<const ClusterId> clusters) {
+    for (const ClusterId id : clusters) keep_members(entries_.at(id));
+}
+
 void ClusterTable::make_dirty(std::span<const ClusterId> clusters) {
     for (const ClusterId id : clusters) {
         ++entries_.at(id).membership.topology;
@@ -139,12 +158,19 @@ void ClusterTable::make_dirty(ClusterEntry& entry) {
     if (in_flight) {
         set_phase(entry, ClusterPhase::kSolvingDirty);
     } else if (!makes_model(entry.membership.members.size())) {
-        set_phase(entry, ClusterPhase::kClean);
-        entry.published.topology = entry.membership.topology;
-        set_model(entry, nullptr);
+        become_too_small(entry);
     } else {
         set_phase(entry, ClusterPhase::kDirty);
     }
+}
+
+void ClusterTable::become_too_small(ClusterEntry& entry) {
+    set_phase(entry, ClusterPhase::kClean);
+    entry.published.topology = entry.membership.topology;
+    set_model(entry, nullptr);
+    SolveMaterial nothing;
+    nothing.transfer_topology = entry.material.transfer_topology;
+    entry.material = std::move(nothing);
 }
 
 std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
@@ -189,15 +215,19 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
     }
     ClusterEntry& entry = found->second;
     const bool current = entry.membership.topology == solution.topology;
-    if (solved && has_model(solution.model)) {
-        // What has come along since the solve began is not in its result.
+    // What has come along since the solve began is not in its result.
+    const auto forget_what_it_started_from = [&] {
         std::erase_if(entry.material.models, [&](const RecycledModel& recycled) {
             return recycled.arrived <= solution.topology;
         });
+        entry.material.state = solution.state;
+    };
+    if (solved && current && !has_model(solution.model)) forget_what_it_started_from();
+    if (solved && has_model(solution.model)) {
+        forget_what_it_started_from();
         entry.material.models.insert(
             entry.material.models.begin(),
             {entry.id, entry.published.revision + (current ? 1 : 0), solution.model});
-        entry.material.state = solution.state;
         std::optional<Succession>& succession = solution.succession;
         if (succession && entry.material.to_outgrown &&
             succession->before == entry.material.outgrown)
@@ -212,9 +242,7 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         // Images may have left meanwhile.
         keep_members(entry);
         if (!makes_model(entry.membership.members.size())) {
-            set_phase(entry, ClusterPhase::kClean);
-            entry.published.topology = entry.membership.topology;
-            set_model(entry, nullptr);
+            become_too_small(entry);
         } else {
             set_phase(entry, ClusterPhase::kDirty);
         }

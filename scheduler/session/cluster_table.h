@@ -85,6 +85,9 @@ struct ClusterEntry {
     SolveMaterial material;
 };
 
+/// Whether a version shows a cluster as it is now.
+bool is_shown(const ClusterEntry& entry, const Scene& scene);
+
 /// What happened to reconstructed clusters, for the log.
 struct ClusterChange {
     enum class Kind : std::uint8_t {
@@ -116,6 +119,9 @@ class ClusterTable {
     /// their new members
     std::vector<ClusterChange> apply(const ClusteringEdit& edit,
                                      const std::function<void()>& find_hosts = {});
+    /// Models keep what their clusters place, where guests have left or come: apply() does so where
+    /// members have. REQUIRES: none of them rests
+    void leave_out_who_left(std::span<const ClusterId> clusters);
     /// Edges of these images have come or gone.
     void edges_changed(std::span<const ImageId> images);
     /// Clusters that lost an edge between two of their members: what their models rest on has
@@ -202,6 +208,8 @@ class ClusterTable {
     static void set_model(ClusterEntry& entry, std::shared_ptr<const Reconstruction> model);
     void set_phase(ClusterEntry& entry, ClusterPhase phase);
     void make_dirty(ClusterEntry& entry);
+    /// Below mu_min nothing is solved, and no later solve starts from what was.
+    void become_too_small(ClusterEntry& entry);
     bool keep_members(ClusterEntry& entry) const;
     std::optional<ClusterId> host_of(ImageId image) const;  ///< of a guest
     void set_host(ImageId image, std::optional<ClusterId> host);

@@ -106,7 +106,7 @@ Result<void> restore_models(const SessionReader& store, const StoredCluster& sto
                             ClusterEntry& entry) {
     auto solution = store.solution(stored.id);
     if (!solution.ok()) return solution.error();
-    if (solution->has_value() &&
+    if (solution->has_value() && !stored.abandoned &&
         options.solve.policy.makes_model(entry.membership.members.size())) {
         const StoredSolveState solve_state = solve_state_of(stored, **solution, remarks);
         entry.published.model = (*solution)->model;
@@ -170,6 +170,10 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
         const auto done = restore_models(store, stored, options, restored.remarks, models);
         if (!done.ok()) return done.error();
         state.clusters.restore_models(std::move(models));
+        const ClusterEntry& entry = state.clusters.entries().at(stored.id);
+        const bool is_finished =
+            entry.phase == ClusterPhase::kClean && is_shown(entry, *state.scene);
+        state.concluding |= stored.at_rest && !is_finished;
     }
     return {};
 }
@@ -193,17 +197,17 @@ Result<RestoredSession> restore_session(const SessionReader& store, const Sessio
     if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
     if (const auto done = restore_view_graph(store, options.edges, restored.state); !done.ok())
         return done.error();
-    if (const auto done = restore_clusters(store, options, restored); !done.ok())
-        return done.error();
     auto scene = store.scene_poses();
     if (!scene.ok()) return scene.error();
+    restored.state.scene = std::make_shared<const Scene>(*std::move(scene));
+    if (const auto done = restore_clusters(store, options, restored); !done.ok())
+        return done.error();
     const auto summary_text = store.scene_summary_json();
     if (!summary_text.ok()) return summary_text.error();
     const auto summary = decode_summary(*summary_text);
     if (!summary.ok()) return summary.error();
     restored.state.counts = summary->counts;
     restored.state.past_events = summary->events;
-    restored.state.scene = std::make_shared<const Scene>(*std::move(scene));
     return restored;
 }
 

@@ -67,6 +67,9 @@ struct SessionState {
     ClusterTable clusters;
     ResidentModels models;  ///< which of the clusters rest
     MergeMemory merges;
+    /// No photograph has come since the session was at rest: what is solved looks at weak edges,
+    /// and at what it leaves out.
+    bool concluding = false;
     ScenePtr scene = std::make_shared<const Scene>();
     SessionCounts counts;
     /// The last joins, splits, transfers and resets, oldest first; at most kPastEvents.

@@ -63,9 +63,10 @@ Result<std::string> encode_cluster(const ClusterRecord& record) {
     }
     const auto apart = numbers.empty() ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>()
                                        : builder.CreateVector(numbers);
-    builder.Finish(records::CreateCluster(
-        builder, members, cluster.topology, cluster.solved_topology, cluster.revision,
-        record.removed, cluster.transfer_topology, recycled, adopted, apart, record.whole));
+    builder.Finish(records::CreateCluster(builder, members, cluster.topology,
+                                          cluster.solved_topology, cluster.revision, record.removed,
+                                          cluster.transfer_topology, recycled, adopted, apart,
+                                          record.whole, cluster.abandoned, cluster.at_rest));
     return finished(builder);
 }
 
@@ -82,7 +83,10 @@ Result<ClusterRecord> decode_cluster(ClusterId id, std::string_view payload) {
                           record->revision(),
                           record->transfer_topology(),
                           {},
-                          {}},
+                          {},
+                          {},
+                          record->abandoned(),
+                          record->at_rest()},
                          record->removed(),
                          record->whole()};
     if (const auto* recycled = record->recycled()) {

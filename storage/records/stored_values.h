@@ -71,6 +71,11 @@ struct StoredCluster {
     /// Pairs of images that are of different places (keep_apart), the first of them a member;
     /// ascending.
     std::vector<ImagePair> apart = {};
+    /// Too few images of the latest solution stayed together: it is shown no more, and no later
+    /// solve starts from it, also where they come together again.
+    bool abandoned = false;
+    /// It changed, or was solved, last when no photograph followed (SessionState::concluding).
+    bool at_rest = false;
 };
 
 /// What an edit of the clustering leaves to be stored.

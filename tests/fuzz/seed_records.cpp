@@ -59,6 +59,7 @@ void write_payloads(const SeedFolder& seeds) {
     cluster.cluster.topology = 4;
     cluster.cluster.solved_topology = 3;
     cluster.cluster.transfer_topology = 4;
+    cluster.cluster.abandoned = cluster.cluster.at_rest = true;
     cluster.cluster.recycled = {{ClusterId{2}, 9}};
     cluster.cluster.adopted = {ImageId{8}, ImageId{10}};
     write_record(seeds, RecordKind::kCluster, encode_key(ClusterId{7}), encode_cluster(cluster));

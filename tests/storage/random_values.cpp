@@ -185,7 +185,8 @@ bool same(const StoredCluster& a, const StoredCluster& b) {
     return a.id == b.id && a.members == b.members && a.topology == b.topology &&
            a.solved_topology == b.solved_topology && a.revision == b.revision &&
            a.transfer_topology == b.transfer_topology && a.recycled == b.recycled &&
-           a.adopted == b.adopted && a.apart == b.apart;
+           a.adopted == b.adopted && a.apart == b.apart && a.abandoned == b.abandoned &&
+           a.at_rest == b.at_rest;
 }
 
 bool same_poses(const Reconstruction& a, const Reconstruction& b) {

@@ -178,6 +178,36 @@ TEST(ClusterTable, AModelThatIsCutBelowMuMinIsShownNoMore) {
     EXPECT_EQ(table.entries().at(cluster(0)).published.model, nullptr);
 }
 
+TEST(ClusterTable, AClusterBelowMuMinStartsAnewWhenItGrowsAgain) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2, 3}));
+    for (const ClusterEntry* entry : table.take_dirty()) {
+        Solve solve = solve_of(*entry, images({0, 1, 2, 3}));
+        solve.solution.state.images_at_start = 4;
+        table.finish(solve.problem, solve.solution);
+    }
+    table.apply(members(0, {0, 1}));
+    EXPECT_TRUE(material_of(table.entries().at(cluster(0))).empty());
+    table.apply(members(0, {0, 1, 2, 3}));
+    const auto dirty = table.take_dirty();
+    ASSERT_EQ(dirty.size(), 1U);
+    EXPECT_TRUE(material_of(*dirty.front()).empty());
+    EXPECT_EQ(dirty.front()->material.state, SolveState{});
+    EXPECT_EQ(dirty.front()->published.revision, 1U) << "the next solution is the second";
+}
+
+TEST(ClusterTable, WhatASolveGaveUpIsNotStartedFromAgain) {
+    ClusterTable table(kMuMin);
+    table.apply(members(0, {0, 1, 2}));
+    solve_dirty(table);
+    table.apply(members(0, {0, 1, 2, 3}));
+    for (const ClusterEntry* entry : table.take_dirty()) {
+        Solve nothing = solve_of(*entry, {});
+        EXPECT_NE(table.finish(nothing.problem, nothing.solution), nullptr);
+    }
+    EXPECT_TRUE(material_of(table.entries().at(cluster(0))).empty());
+}
+
 TEST(ClusterTable, AGroupBelowMuMinBringsNoModel) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2, 3, 4}));
