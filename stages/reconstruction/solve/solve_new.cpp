@@ -41,18 +41,23 @@ Result<SolveAttempt> solve_globally(const SolveContext& context,
 }
 
 /// A model of more images than the best so far is adjusted, and takes its place: to convergence
-/// once no photograph follows, for then it is compared with others.
+/// once no photograph follows, for then it is compared with others. So does what it becomes with
+/// the images that find a place only then.
 /// @errors kCancelled
 Result<void> take_if_larger(SolveDraft& draft, const SolveContext& context, SolveAttempt& best) {
-    if (draft.model.registered_count() <= best.model.images.size()) return {};
     const RefinementOptions& refinement =
         context.problem.concluding ? context.options.settling : context.options.growth;
-    const auto adjustments = refine_model(draft.model, context.problem.fix_intrinsics, refinement,
-                                          context.options, context.cancel);
-    if (!adjustments.ok())
-        return is_cancelled(adjustments.error()) ? adjustments.error() : Result<void>();
-    note_adjusted(draft, *adjustments);
-    best = finish_attempt(draft, context);
+    while (draft.model.registered_count() > best.model.images.size()) {
+        const auto adjustments = refine_model(draft.model, context.problem.fix_intrinsics,
+                                              refinement, context.options, context.cancel);
+        if (!adjustments.ok())
+            return is_cancelled(adjustments.error()) ? adjustments.error() : Result<void>();
+        note_adjusted(draft, *adjustments);
+        if (draft.model.registered_count() <= best.model.images.size()) break;
+        best = finish_attempt(draft, context);
+        const auto grown = grow_model(draft, context);
+        if (!grown.ok()) return is_cancelled(grown.error()) ? grown.error() : Result<void>();
+    }
     return {};
 }
 
