@@ -59,7 +59,7 @@ namespace {
 
 // clang-format off
 constexpr std::array kSolvingOptions{
-    PSFM_MOVED_OPTION("solve.mu_min", solve.policy.mu_min, 2, kCount, "images that a cluster needs to be reconstructed", "paper: mu_min"),
+    PSFM_MOVED_OPTION("solve.mu_min", solve.policy.mu_min, 2, kCount, "images that a cluster needs to be reconstructed", "ours, on parts of ordinary collections; paper: 5"),
     PSFM_MOVED_OPTION("solve.mu_max", solve.policy.mu_max, 2, kCount, "images up to which a new cluster is started incrementally", "paper: mu_max"),
     PSFM_MOVED_OPTION("solve.eta_grow", solve.policy.full_adjustment.again_when_grown_by, 1e-6, 100, "growth after which all of a model is adjusted", "paper: eta_grow"),
     PSFM_MOVED_OPTION("solve.doubt.max_images", solve.policy.doubt_up_to, 0, 2000, "images up to which a model is compared with others at the end; 0: none is", "ours; docs/look-alikes.md"),
@@ -145,7 +145,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.places.min_between, 1, kCount, "such points between two places", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.min_contradictions, 0, kCount, "pairs side by side that share nothing between two places; 0: a model is never asked", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.min_expected, 1, kCount, "points that two images are expected to share before they are compared", "ours; docs/look-alikes.md"),
-    PSFM_OPTION(solve.places.min_images, 1, kCount, "images of a place", "ours: mu_min"),
+    PSFM_OPTION(solve.places.min_images, 1, kCount, "images of a place", "ours"),
     PSFM_OPTION(solve.places.min_track, 2, kCount, "images that have seen a point before others are expected to", "not tuned"),
     PSFM_OPTION(solve.places.reached_rank, 1, kCount, "rank of the pair whose share counts for what an image reaches", "ours: one may be nearly a copy"),
     PSFM_OPTION(solve.places.same_between, 0.001, 0.999, "part of what is seen from both sides that speaks for one place, over the model's", "ours; docs/look-alikes.md"),

@@ -10,7 +10,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <ostream>
+#include <vector>
 
 #include "scheduler/flow/run_session.h"
 #include "stages/features/photographs/photo_listing.h"
@@ -45,39 +47,64 @@ std::size_t largest_part(const Scene& scene) {
     return largest;
 }
 
-class OrdinaryPhotographs : public testing::TestWithParam<Collection> {};
-
-TEST_P(OrdinaryPhotographs, ArePlacedInOnePart) {
-    const char* datasets = std::getenv("PSFM_DATASETS");
-    if (datasets == nullptr) GTEST_SKIP() << "PSFM_DATASETS is not set";
-    const fs::path folder = fs::path(datasets) / "real" / GetParam().folder / "images";
-    if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
-    const fs::path session = fs::temp_directory_path() / ("psfm_" + std::string(GetParam().folder) +
-                                                          "_" + std::to_string(getpid()));
+/// Photographs in the largest part of a deterministic session; with the other mode three images of
+/// `kitchen` hang on when versions are made.
+std::size_t placed_of(const std::vector<PhotoFile>& taken) {
+    const fs::path session =
+        fs::temp_directory_path() / ("psfm_ordinary_" + std::to_string(getpid()));
     fs::remove_all(session);
     const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, 3);
+    std::size_t placed = 0;
     {
         auto store = SessionStore::open(session, {});
-        ASSERT_TRUE(store.ok());
-        const auto listing = list_photos(folder);
-        ASSERT_TRUE(listing.ok());
-        PhotoList photos(listing->photos);
+        EXPECT_TRUE(store.ok());
+        PhotoList photos(taken);
         Nobody nobody;
         const std::atomic<bool> stop{false};
         SessionConfig config;
-        config.deterministic = true;  // three images of `kitchen` hang on when versions are made
+        config.deterministic = true;
         const auto run = run_session(**store, config, {.threads = 2}, photos, nobody, stop);
-        ASSERT_TRUE(run.ok()) << run.error().message;
+        EXPECT_TRUE(run.ok()) << run.error().message;
         const auto scene = (*store)->scene();
-        ASSERT_TRUE(scene.ok());
-        EXPECT_GE(largest_part(*scene), GetParam().placed);
+        EXPECT_TRUE(scene.ok());
+        placed = largest_part(*scene);
     }
     fs::remove_all(session);
+    return placed;
+}
+
+/// A folder of the data; none where it is not there.
+std::optional<fs::path> images_of(const fs::path& collection) {
+    const char* datasets = std::getenv("PSFM_DATASETS");
+    if (datasets == nullptr) return std::nullopt;
+    const fs::path folder = fs::path(datasets) / collection / "images";
+    return fs::exists(folder) ? std::optional(folder) : std::nullopt;
+}
+
+class OrdinaryPhotographs : public testing::TestWithParam<Collection> {};
+
+TEST_P(OrdinaryPhotographs, ArePlacedInOnePart) {
+    const auto folder = images_of(fs::path("real") / GetParam().folder);
+    if (!folder) GTEST_SKIP() << "PSFM_DATASETS is not set, or has no " << GetParam().folder;
+    const auto listing = list_photos(*folder);
+    ASSERT_TRUE(listing.ok());
+    EXPECT_GE(placed_of(listing->photos), GetParam().placed);
 }
 
 INSTANTIATE_TEST_SUITE_P(Real, OrdinaryPhotographs,
                          testing::Values(Collection{"kitchen", 25}, Collection{"banana", 15},
                                          Collection{"brighton", 18}));
+
+TEST(FewPhotographs, ThreeAreAModel) {
+    const auto folder = images_of("strecha-half/fountain-P11");
+    if (!folder) GTEST_SKIP() << "PSFM_DATASETS is not set, or has no fountain-P11";
+    const auto listing = list_photos(*folder);
+    ASSERT_TRUE(listing.ok());
+    ASSERT_GE(listing->photos.size(), 6U);
+    const auto fourth = listing->photos.begin() + 3;
+    EXPECT_EQ(placed_of({fourth, fourth + 3}), 3U);
+    EXPECT_EQ(placed_of({fourth, fourth + 2}), 0U) << "nothing contradicts two";
+}
 
 }  // namespace
 }  // namespace psfm

@@ -71,10 +71,13 @@ void unregister_all(WorkingModel& model) {
     }
 }
 
-Error too_few(const WorkingModel& model, const SolveOptions& options) {
-    return {ErrorCode::kDegenerate,
-            "global reconstruction: " + std::to_string(model.registered_count()) +
-                " images could be placed, mu_min is " + std::to_string(options.policy.mu_min)};
+/// Guard: a global start that places fewer has failed; the cluster is grown from a pair instead.
+constexpr std::uint32_t kFewestOfStart = 5;
+
+Error too_few(const WorkingModel& model) {
+    return {ErrorCode::kDegenerate, "global reconstruction: only " +
+                                        std::to_string(model.registered_count()) +
+                                        " images could be placed"};
 }
 
 /// Cameras that are believed to be others than those that pairs were verified with: just
@@ -201,8 +204,8 @@ Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProble
     SolveOptions strict = options;
     strict.min_observations = std::max(options.min_observations, options.absolute_pose.min_inliers);
     remove_weak_images(model, strict);
-    if (!options.policy.makes_model(model.registered_count())) {
-        const Error error = too_few(model, options);
+    if (model.registered_count() < kFewestOfStart) {
+        const Error error = too_few(model);
         unregister_all(model);
         return error;
     }

@@ -33,7 +33,7 @@ struct GlobalStart {
 /// between them do not determine their distances.
 ///
 /// @param model  REQUIRES: nothing registered; intrinsics as in graph.cameras
-/// @errors kDegenerate (fewer than mu_min images could be placed: the model is as it was, but for
+/// @errors kDegenerate (fewer than five images could be placed: the model is as it was, but for
 /// intrinsics; the incremental way may still do), kCancelled, kInternal
 /// Deterministic for equal problems and options.
 Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProblem& problem,

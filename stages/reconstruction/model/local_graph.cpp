@@ -35,6 +35,9 @@ void give_twins_one_lens(const ClusterProblem& problem, std::map<CameraId, Camer
     }
 }
 
+/// Guard: models of fewer images hardly determine intrinsics; all pairs together tell more.
+constexpr std::size_t kImagesToKnowCameras = 5;
+
 /// Intrinsics from the recycled model where it has them; unknown focal lengths from fundamental
 /// matrices.
 Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& problem,
@@ -46,6 +49,7 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
     }
     // The largest model comes first and has the last word.
     for (const auto& model : std::views::reverse(problem.recycled)) {
+        if (model->images.size() < kImagesToKnowCameras) continue;
         for (const auto& [id, camera] : model->cameras) {
             if (cameras.contains(id)) cameras[id] = camera;
         }

@@ -43,8 +43,11 @@ enum class SolveEffort : std::uint8_t {
 /// ClusteringOptions::join_up_to is `affordable_up_to` for clusters that are not solved yet
 /// (tools/ci/check-sizes lists all, those of other stages too).
 struct SolvePolicy {
-    /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5.
-    std::uint32_t mu_min = 5;
+    /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5. Raised: what is thin,
+    /// or small, waits for ever though a model of it exists; lowered: two views hardly tell what
+    /// contradicts them. Ours, on parts of ordinary collections and of look-alikes
+    /// (docs/notebook/2026-11-29-three-images.md).
+    std::uint32_t mu_min = 3;
     /// New clusters with more images are started globally instead of incrementally. Raised: slower;
     /// lowered: small sets, in which few measurements correct each other, are less sure.
     /// Paper: mu_max = 50.

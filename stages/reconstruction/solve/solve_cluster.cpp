@@ -133,18 +133,32 @@ void ask_for_places(SolveAttempt& attempt, const ClusterProblem& problem,
     note_asked_for_places(attempt.state, attempt.model.images.size());
 }
 
-/// Gives up a model whose depth is invented; says of another one what it is worth.
+/// Why a model is none, and its images wait.
+std::optional<WaitReason> reason_to_give_up(const SolveAttempt& attempt,
+                                            const ClusterProblem& problem,
+                                            const SolveOptions& options) {
+    constexpr std::size_t kFewest = 3;  // Guard: nothing contradicts what two images show
+    const std::size_t placed = attempt.model.images.size();
+    if (placed > 0 && placed < kFewest) return WaitReason::kNoSeed;
+    if (due_now(attempt, problem, options).worth &&
+        has_invented_depth(attempt.model, pairs_of(problem), options.assessment))
+        return WaitReason::kNoParallax;
+    return std::nullopt;
+}
+
+/// Gives up a model of too few images, or whose depth is invented; says of another one what it is
+/// worth.
 /// @return why its images wait where it was given up
 std::optional<WaitReason> assess(SolveAttempt& attempt, const ClusterProblem& problem,
                                  const SolveOptions& options) {
-    if (!due_now(attempt, problem, options).worth) return std::nullopt;
-    if (has_invented_depth(attempt.model, pairs_of(problem), options.assessment)) {
+    if (const auto reason = reason_to_give_up(attempt, problem, options)) {
         const SolveKind kind = attempt.statistics.kind;
         attempt = SolveAttempt{};
         attempt.statistics.kind = kind;
         attempt.places.emplace();
-        return WaitReason::kNoParallax;
+        return reason;
     }
+    if (!due_now(attempt, problem, options).worth) return std::nullopt;
     const bool shows_look_alikes = attempt.state.weaknesses.has(Weakness::kLookAlikes) &&
                                    attempt.state.images_when_reconsidered == problem.images.size();
     attempt.state.weaknesses = weaknesses_of(attempt.model, options.assessment);

@@ -22,8 +22,8 @@ namespace psfm {
 /// 6. The ties of cameras are judged; those that do not hold are cut, and 2 to 5 done again.
 /// 7. Once no photograph follows, a doubtful model is compared with others (reconsider_model.h).
 /// 8. Where it settles, lenses get a second coefficient that need one (settle_lenses.h).
-/// 9. A model of invented depth is given up, which empties the attempt, state and places, too; a
-/// weak one says so in SolveState::weaknesses (assess_model.h).
+/// 9. A model of two images, or of invented depth, is given up, which empties the attempt, state
+/// and places, too; a weak one says so in SolveState::weaknesses (assess_model.h).
 /// 10. It is asked whether the model shows several places (separate_places.h), unless step 2, 4 or
 /// 7 has asked.
 /// 11. Where it does not, and no photograph follows, it is asked whether images that it leaves out

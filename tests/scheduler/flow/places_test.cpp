@@ -88,7 +88,7 @@ TEST(Places, TooFewForAModelOfTheirOwnWaitAsLookAlikes) {
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
     const auto pairs = parts.pairs(0.7, 3);
-    SerialSession session(*store, parts.scene, pairs, true, ClusteringOptions{});
+    SerialSession session(*store, parts.scene, pairs, true, ClusteringOptions{}, {.mu_min = 5});
     while (session.reported().size() < TwoParts::kImages) ASSERT_TRUE(session.add_image());
     session.end();
     EXPECT_GE(session.state().counts.placed, TwoParts::kLeft);
@@ -146,7 +146,8 @@ TEST(Places, WhatOnesPlacesOvertookIsSolvedAgainFromWhatIsStored) {
     const Streets streets;
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
-    SerialSession session(*store, streets.scene, streets.pairs);
+    SerialSession session(*store, streets.scene, streets.pairs, true,
+                          ClusteringOptions{.join_below = 0}, {.mu_min = 5});
     std::uint32_t next = 0;
     constexpr std::uint32_t kSettledApart = 16;  // images: by then none waits for its place
     while (next < kSettledApart || (session.state().edges.apart_count == 0 && next < kImages)) {
@@ -193,7 +194,7 @@ TEST(Places, OfLargeSessionsStayApartWhereTheyContradictEachOther) {
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
     SerialSession session(*store, streets.scene, streets.pairs, true, {.join_below = 0},
-                          kLargeFrom);
+                          {.doubt_up_to = kLargeFrom});
     for (std::uint32_t i = 0; i < kImages; ++i) ASSERT_TRUE(session.add_image());
     session.end();
     EXPECT_GT(session.state().edges.apart_count, 0U);
@@ -211,7 +212,8 @@ class WronglyParted : public ::testing::Test {
         pairs_ = synthetic::make_verified_pairs(scene_);
         store_ = test::open_store(folder_);
         session_ = std::make_unique<SerialSession>(*store_, scene_, pairs_, true,
-                                                   ClusteringOptions{.join_below = 0}, kLargeFrom);
+                                                   ClusteringOptions{.join_below = 0},
+                                                   SolvePolicy{.doubt_up_to = kLargeFrom});
         for (std::uint32_t i = 0; i + 1 < kImages; ++i) EXPECT_TRUE(session_->add_image());
         session_->hold_solves();
         EXPECT_TRUE(session_->add_image());

@@ -53,12 +53,12 @@ std::unique_ptr<SessionStore> open_store(const testing::TemporaryFolder& folder)
 
 SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
                              const std::vector<VerifiedPairPtr>& pairs, bool deterministic,
-                             const ClusteringOptions& clustering, std::uint32_t doubt_up_to)
+                             const ClusteringOptions& clustering, const SolvePolicy& policy)
     : scene_(&scene), pairs_(&pairs) {
     const SessionConfig config = config_of(scene, deterministic);
     options_ = *stage_options(config);
     options_.clustering = clustering;
-    options_.solve.policy.doubt_up_to = doubt_up_to;
+    options_.solve.policy = policy;
     auto restored = restore_session(store, config, options_);
     EXPECT_TRUE(restored.ok());
     std::vector<CommitInput> messages{CatchUp{}};

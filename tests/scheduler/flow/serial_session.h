@@ -24,12 +24,12 @@ class SerialSession {
     /// Goes on where the store ends, and finishes what an earlier process left.
     /// @param pairs  all of them; an image brings those with earlier ones
     /// @param clustering  by default parts of a few images, as these scenes have, stay parts
-    /// @param doubt_up_to  SolvePolicy::doubt_up_to
+    /// @param policy  when clusters are solved how
     /// REQUIRES: scene and pairs outlive the session
     SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
                   const std::vector<VerifiedPairPtr>& pairs, bool deterministic = true,
                   const ClusteringOptions& clustering = {.join_below = 0},
-                  std::uint32_t doubt_up_to = SolvePolicy{}.doubt_up_to);
+                  const SolvePolicy& policy = {});
 
     static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
     /// Takes the next image through all stages; or handles so many messages of it only, like a

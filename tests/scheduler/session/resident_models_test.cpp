@@ -231,7 +231,8 @@ TEST(ModelsOfASession, AreAwakeWhenTheirClustersJoin) {
     const Bridge bridge;
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
-    SerialSession session(*store, bridge.scene, bridge.pairs);
+    SerialSession session(*store, bridge.scene, bridge.pairs, true,
+                          ClusteringOptions{.join_below = 0}, {.mu_min = 5});
     session.keep_idle(0);
     const ClusterTable& clusters = session.state().clusters;
     for (std::uint32_t i = 0; i + 1 < Bridge::kImages; ++i) ASSERT_TRUE(session.add_image());

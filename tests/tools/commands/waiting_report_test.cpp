@@ -25,10 +25,10 @@ TEST(WhyNothingIsPlaced, NamesTheCommonestCause) {
 }
 
 TEST(WhyNothingIsPlaced, TooFewPhotographsAreTheCauseWhateverElseIs) {
-    const std::vector<WaitReason> few(3, WaitReason::kNoParallax);
+    const std::vector<WaitReason> few(2, WaitReason::kNoParallax);
     EXPECT_EQ(why_nothing_is_placed(few, {}),
-              "nothing could be placed: a model takes at least 5 photographs of one place, and "
-              "there are 3; add more");
+              "nothing could be placed: a model takes at least 3 photographs of one place, and "
+              "there are 2; add more");
 }
 
 }  // namespace

@@ -36,8 +36,12 @@ TEST(LocalGraph, StartsFromTheIntrinsicsThatAreKnownBest) {
     EXPECT_EQ(starting_focal(problem), accepted.fx() + 10.0) << "another cluster's";
     Reconstruction own;
     own.cameras[id] = with_focal(accepted, accepted.fx() + 20.0);
-    problem.recycled = {std::make_shared<const Reconstruction>(own)};
-    EXPECT_EQ(starting_focal(problem), accepted.fx() + 20.0) << "its own model's";
+    for (const std::uint32_t images : {4U, 5U}) {
+        own.images.assign(images, RegisteredImage{});
+        problem.recycled = {std::make_shared<const Reconstruction>(own)};
+        EXPECT_EQ(starting_focal(problem), accepted.fx() + (images < 5 ? 10.0 : 20.0))
+            << "its own model's, where that has enough images to tell";
+    }
     problem.calibrated[CameraId{77}] = accepted;
     EXPECT_FALSE(make_local_graph(problem, {})->cameras.contains(CameraId{77}));
 }

@@ -46,8 +46,8 @@ TEST(PlanSolve, StartScopeAndEffortFollowFromSizes) {
     using enum SolveScope;
     using enum SolveEffort;
     const std::vector<Row> table = {
-        {"below mu_min", 4, 0, false, {}, kNone, kAll, kConverged},
-        {"mu_min", 5, 0, false, {}, kIncremental, kAll, kConverged},
+        {"below mu_min", 2, 0, false, {}, kNone, kAll, kConverged},
+        {"mu_min", 3, 0, false, {}, kIncremental, kAll, kConverged},
         {"mu_max", 50, 0, false, {}, kIncremental, kAll, kConverged},
         {"above mu_max", 51, 0, false, {}, kGlobal, kAll, kConverged},
         {"new and large", 501, 0, false, {}, kGlobal, kAll, kRough},

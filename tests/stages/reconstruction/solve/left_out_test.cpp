@@ -86,10 +86,10 @@ TEST_F(LeftOut, WaitsForEverAsInThePaperWhereThatIsAskedFor) {
 
 TEST_F(LeftOut, FewerThanAModelNeedsWait) {
     ClusterProblem few = problem({model_of(TwoModels::first(), 1)});
-    few.images.resize(TwoModels::kFirst + 4);
+    few.images.resize(TwoModels::kFirst + 2);
     const auto solution = solve_cluster(few, {});
     ASSERT_TRUE(solution.ok());
-    EXPECT_EQ(solution->waiting.size(), 4U);
+    EXPECT_EQ(solution->waiting.size(), 2U);
     EXPECT_TRUE(solution->places.empty());
 }
 

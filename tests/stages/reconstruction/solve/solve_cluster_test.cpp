@@ -50,7 +50,7 @@ TEST(SolveCluster, ReconstructsARingWithNoiseAndWrongMatches) {
 }
 
 TEST(SolveCluster, AFirstModelSettlesOnlyOnceNoPhotographFollows) {
-    const SyntheticScene scene = noisy_ring(6, 1);
+    const SyntheticScene scene = noisy_ring(8, 1);
     ClusterProblem problem = problem_of(scene, synthetic::make_verified_pairs(scene));
     SolveOptions options;
     options.growth.max_rounds = 1;
@@ -150,11 +150,19 @@ TEST(SolveCluster, DropsAnEdgeThatContradictsTheRotations) {
 TEST(SolveCluster, SaysWhyImagesWait) {
     const SyntheticScene scene = noisy_ring(8, 7);
     const auto pairs = synthetic::make_verified_pairs(scene);
-    const auto small = solve_cluster(problem_of(scene, pairs, scene.cameras, 4), {});
+    const auto small = solve_cluster(problem_of(scene, pairs, scene.cameras, 2), {});
     ASSERT_TRUE(small.ok());
     EXPECT_TRUE(small->model->empty());
-    ASSERT_EQ(small->waiting.size(), 4U);
+    ASSERT_EQ(small->waiting.size(), 2U);
     EXPECT_EQ(small->waiting.front().second, WaitReason::kClusterTooSmall);
+    SolveOptions of_two;
+    of_two.policy.mu_min = 2;
+    const auto two = solve_cluster(problem_of(scene, pairs, scene.cameras, 2), of_two);
+    ASSERT_TRUE(two.ok());
+    EXPECT_TRUE(two->model->empty());
+    EXPECT_EQ(two->waiting.size(), 2U);
+    EXPECT_EQ(solve_cluster(problem_of(scene, pairs, scene.cameras, 3), {})->model->images.size(),
+              3U);
 
     const auto unconnected = solve_cluster(problem_of(scene, {}), {});
     ASSERT_TRUE(unconnected.ok());
