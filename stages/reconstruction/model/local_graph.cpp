@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <ranges>
+#include <set>
 
 #include "graph/camera_lens.h"
 #include "stages/algorithms/averaging/average_rotations.h"
 #include "stages/algorithms/focal/calibrate_focals.h"
 #include "stages/reconstruction/model/local_numbers.h"
+#include "stages/reconstruction/model/strong_lenses.h"
 #include "stages/verification/with_rotation.h"
 
 namespace psfm {
@@ -84,14 +86,22 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
     return cameras;
 }
 
-/// Relative poses of pairs without known focal lengths follow from the cameras as they are believed
-/// now.
+/// Relative poses of pairs without known focal lengths, or with lenses that have turned out to be
+/// strong, follow from the cameras as they are believed now.
 /// @return null when no pose agrees with the pair's matches any more
 VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem,
                              const LocalNumbers& numbers, const LocalGraph& graph,
-                             const VerifyOptions& options) {
+                             const std::set<CameraId>& strong, const VerifyOptions& options) {
     const ClusterImage& image1 = problem.images[numbers.of(pair->pair.first)];
     const ClusterImage& image2 = problem.images[numbers.of(pair->pair.second)];
+    const auto is_known = [&](CameraId camera) {
+        return graph.cameras.at(camera).focal_source != FocalSource::kUnknown;
+    };
+    if ((strong.contains(image1.camera) || strong.contains(image2.camera)) &&
+        is_known(image1.camera) && is_known(image2.camera) &&
+        pair->geometry.kind != TwoViewKind::kPureRotation) {
+        if (auto seen = seen_through(pair, image1, image2, graph.cameras, options)) return seen;
+    }
     const Camera& verified1 = problem.cameras.at(image1.camera);
     const Camera& verified2 = problem.cameras.at(image2.camera);
     if (verified1.focal_source != FocalSource::kUnknown &&
@@ -153,8 +163,10 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     std::vector<VerifiedPairPtr> pairs;
     std::vector<bool> ambiguous;
     std::vector<RelativeRotation> rotations;
+    const std::set<CameraId> strong = strong_lenses(problem, graph.cameras, options.strong_lens);
     const auto add = [&](const VerifiedPairPtr& pair, double factor) {
-        VerifiedPairPtr local = with_cameras(pair, problem, numbers, graph, options.verification);
+        VerifiedPairPtr local =
+            with_cameras(pair, problem, numbers, graph, strong, options.verification);
         if (!local) return;
         const TwoViewGeometry& geometry = local->geometry;
         rotations.push_back({numbers.of(pair->pair.first), numbers.of(pair->pair.second),
@@ -164,7 +176,7 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
         ambiguous.push_back(is_ambiguous(*pair, factor < 1.0));
     };
     for (const VerifiedPairPtr& pair : of_cluster) add(pair, 1.0);
-    const std::size_t strong = pairs.size();
+    const std::size_t of_edges = pairs.size();
     for (const VerifiedPairPtr& pair : weak_pairs_of(problem)) add(pair, options.weak_edge_weight);
     const auto averaged = average_rotations(
         rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);
@@ -177,7 +189,7 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
         if (averaged->residual_deg[edge] > options.max_edge_error_deg)
             pair = ambiguous[edge] ? as_averaged(pair, problem, numbers, graph, options) : nullptr;
         if (!pair) continue;
-        kept += edge < strong ? 1 : 0;
+        kept += edge < of_edges ? 1 : 0;
         graph.pairs.push_back(std::move(pair));
     }
     std::ranges::sort(graph.pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });

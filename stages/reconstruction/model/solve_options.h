@@ -181,6 +181,12 @@ struct SolveOptions {
     /// What a weak edge weighs where rotations are averaged, beside others: it decides where
     /// nothing else does. Raised: wrong ones turn parts. Ours.
     double weak_edge_weight = 1e-3;
+    /// Part of the longer side by which a lens that models have found moves a corner of a
+    /// photograph for its pairs to be seen through it, which verification, that did not know it,
+    /// bent; 0: none is. Lowered: slower, since these pairs are looked at again in each solve;
+    /// raised: models of wide lenses contradict their pairs. Ours: lenses of phones, drones and
+    /// cameras that correct theirs have 0.005 at most, others 0.02 and more (docs/cameras.md).
+    double strong_lens = 0.01;
     /// Images of a camera that a published model must have for its intrinsics to be taken over in
     /// other clusters. Lowered: weak geometry's guesses spread; raised: each cluster guesses by
     /// itself. Not tuned.

@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <vector>
 
+#include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
+#include "stages/verification/verify_pair.h"
 #include "tests/stages/reconstruction/problems.h"
 #include "tests/synthetic/verified_pairs.h"
 
@@ -94,6 +98,69 @@ TEST(LocalGraph, FewPlausibleEdgesOutweighManyLookAlikes) {
     EXPECT_EQ(kept_wrong(options), 0);
     options.plausibility.reset();
     EXPECT_EQ(kept_wrong(options), 8);
+}
+
+/// Photographs through a lens that distorts, whose pairs were verified by a process that did not
+/// know of it; a model of five of them does.
+struct WideLens {
+    synthetic::SyntheticScene scene;
+    ClusterProblem problem;
+
+    explicit WideLens(double k1) {
+        synthetic::SceneOptions options = synthetic::ring_around_sphere(8);
+        options.cameras.k1 = k1;
+        scene = synthetic::make_scene(options, 4);
+        const auto [id, lens] = *scene.cameras.begin();
+        const Camera accepted =
+            make_camera(lens.width, lens.height, lens.fx(), FocalSource::kUnknown);
+        std::vector<VerifiedPairPtr> pairs;
+        for (const VerifiedPairPtr& truth : synthetic::make_verified_pairs(scene)) {
+            const auto& first = scene.images[index_of(truth->pair.first)].keypoints;
+            const auto& second = scene.images[index_of(truth->pair.second)].keypoints;
+            auto seen = verify_pair({first, second, accepted, accepted, truth->geometry.inliers},
+                                    VerifyOptions{}, 1);
+            if (!seen.ok()) continue;
+            pairs.push_back(
+                std::make_shared<const VerifiedPair>(VerifiedPair{truth->pair, *std::move(seen)}));
+        }
+        problem = problem_of(scene, pairs, {{id, accepted}}, scene.images.size());
+        Reconstruction model;
+        model.cameras[id] = lens;
+        model.cameras[id].focal_source = FocalSource::kEstimated;
+        model.images.resize(5);
+        problem.recycled = {std::make_shared<const Reconstruction>(model)};
+    }
+
+    /// Of the relative rotations of a local graph's pairs [deg].
+    double median_error_deg(double strong_lens) const {
+        SolveOptions options;
+        options.strong_lens = strong_lens;
+        const auto graph = make_local_graph(problem, options);
+        EXPECT_TRUE(graph.ok());
+        std::vector<double> errors;
+        for (const VerifiedPairPtr& pair : graph->pairs) {
+            const auto rotation = [&](ImageId image) {
+                return scene.images[index_of(image)].cam_from_world.rotation;
+            };
+            const Eigen::Quaterniond truth =
+                rotation(pair->pair.second) * rotation(pair->pair.first).conjugate();
+            errors.push_back(degrees_from_radians(
+                truth.angularDistance(pair->geometry.cam2_from_cam1.rotation)));
+        }
+        EXPECT_GE(errors.size(), scene.images.size());
+        return upper_median(errors);
+    }
+};
+
+TEST(LocalGraph, SeesPairsThroughALensThatTurnedOutToBeStrong) {
+    const WideLens lens(-0.3);
+    EXPECT_GT(lens.median_error_deg(0.0), 0.5) << "bent as they were verified";
+    EXPECT_LT(lens.median_error_deg(SolveOptions{}.strong_lens), 0.05);
+}
+
+TEST(LocalGraph, LeavesPairsAloneThatTheLensHardlyBends) {
+    const WideLens lens(-0.01);
+    EXPECT_EQ(lens.median_error_deg(SolveOptions{}.strong_lens), lens.median_error_deg(0.0));
 }
 
 }  // namespace
