@@ -112,7 +112,8 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.max_surroundings, 0, 1, "part of a model's points up to which its surroundings are solved by themselves", "not tuned"),
     PSFM_OPTION(solve.min_observations, 1, kCount, "observations that keep an image in its model", "ours: half of what registration asks"),
     PSFM_OPTION(solve.neighbor_points, 1, kCount, "points that images share which are adjusted together", "ours: about what a pose needs"),
-    PSFM_OPTION(solve.strong_lens, 0, 1, "part of the longer side by which a lens moves corners for its pairs to be seen through it; 0: none", "ours; docs/cameras.md"),
+    PSFM_OPTION(solve.strong_lenses.max_bend_deg, 0, 180, "pairs whose rotation differs by less from the model's are not seen through them again [deg]", "ours; docs/notebook/2026-11-29-strong-lenses.md"),
+    PSFM_OPTION(solve.strong_lenses.min_displacement, 0, 1, "part of the longer side by which a lens moves corners for its pairs to be seen through it; 0: none", "ours; docs/cameras.md"),
     PSFM_OPTION(solve.weak_edge_weight, 1e-09, 1, "what a weak edge weighs in rotation averaging", "ours: it decides where nothing else does"),
 
     PSFM_OPTION(solve.places.between.companions, 0, kCount, "images that are asked with one for what is seen from both sides of it", "ours; docs/look-alikes.md"),

@@ -12,7 +12,7 @@
 namespace psfm {
 
 /// verify_pair with no regard to which of the matches move: the part of it that estimates.
-/// @return TwoViewGeometry::still is empty. Else as verify_pair
+/// @return TwoViewGeometry::still is empty, and its densities are not known. Else as verify_pair
 Result<TwoViewGeometry> verify_matches(const MatchedViews& views, const VerifyOptions& options,
                                        std::uint64_t seed);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "stages/verification/find_still.h"
+#include "stages/verification/match_density.h"
 #include "stages/verification/verify_matches.h"
 #include "stages/verification/verify_pair.h"
 
@@ -87,12 +88,9 @@ std::optional<TwoViewGeometry> verify_rest(const MatchedViews& views, const Matc
     return *std::move(moving);
 }
 
-}  // namespace
-
-Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& asked,
-                                    std::uint64_t seed) {
-    if (const Result<void> valid = validate(asked); !valid.ok()) return valid.error();
-    const VerifyOptions options = options_for(asked, views.camera1, views.camera2);
+/// verify_pair, but for how densely the images match.
+Result<TwoViewGeometry> verify_scene(const MatchedViews& views, const VerifyOptions& options,
+                                     std::uint64_t seed) {
     const bool all_there = std::ranges::all_of(views.matches, [&](const FeatureMatch& match) {
         return match.first < views.keypoints1.size() && match.second < views.keypoints2.size();
     });
@@ -126,6 +124,19 @@ Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptio
             return still_only(std::move(still));
     }
     if (geometry.ok()) geometry->still = std::move(still);
+    return geometry;
+}
+
+}  // namespace
+
+Result<TwoViewGeometry> verify_pair(const MatchedViews& views, const VerifyOptions& options,
+                                    std::uint64_t seed) {
+    if (const Result<void> valid = validate(options); !valid.ok()) return valid.error();
+    auto geometry = verify_scene(views, options_for(options, views.camera1, views.camera2), seed);
+    if (!geometry.ok()) return geometry.error();
+    const MatchDensity density = match_density(views, geometry->inliers);
+    geometry->match_density = density.shared;
+    geometry->core_density = density.core;
     return geometry;
 }
 

@@ -10,7 +10,6 @@
 #include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/algorithms/two_view/estimate_two_view.h"
 #include "stages/verification/fit_two_view.h"
-#include "stages/verification/match_density.h"
 #include "stages/verification/verify_matches.h"
 
 namespace psfm {
@@ -140,9 +139,6 @@ Result<TwoViewGeometry> verify_matches(const MatchedViews& views, const VerifyOp
     if (geometry.inliers.size() < required)
         return degenerate(geometry.inliers.size(), count, required);
     if (lie_on_a_line(problem, *model, options)) return on_a_line();
-    const MatchDensity density = match_density(views, geometry.inliers);
-    geometry.match_density = density.shared;
-    geometry.core_density = density.core;
     return geometry;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <ranges>
-#include <set>
 
 #include "graph/camera_lens.h"
 #include "stages/algorithms/averaging/average_rotations.h"
@@ -91,15 +90,10 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
 /// @return null when no pose agrees with the pair's matches any more
 VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem,
                              const LocalNumbers& numbers, const LocalGraph& graph,
-                             const std::set<CameraId>& strong, const VerifyOptions& options) {
+                             const StrongLenses& strong, const VerifyOptions& options) {
     const ClusterImage& image1 = problem.images[numbers.of(pair->pair.first)];
     const ClusterImage& image2 = problem.images[numbers.of(pair->pair.second)];
-    const auto is_known = [&](CameraId camera) {
-        return graph.cameras.at(camera).focal_source != FocalSource::kUnknown;
-    };
-    if ((strong.contains(image1.camera) || strong.contains(image2.camera)) &&
-        is_known(image1.camera) && is_known(image2.camera) &&
-        pair->geometry.kind != TwoViewKind::kPureRotation) {
+    if (strong.may_bend(*pair, image1, image2)) {
         if (auto seen = seen_through(pair, image1, image2, graph.cameras, options)) return seen;
     }
     const Camera& verified1 = problem.cameras.at(image1.camera);
@@ -163,7 +157,7 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     std::vector<VerifiedPairPtr> pairs;
     std::vector<bool> ambiguous;
     std::vector<RelativeRotation> rotations;
-    const std::set<CameraId> strong = strong_lenses(problem, graph.cameras, options.strong_lens);
+    const StrongLenses strong(problem, graph.cameras, options.strong_lenses);
     const auto add = [&](const VerifiedPairPtr& pair, double factor) {
         VerifiedPairPtr local =
             with_cameras(pair, problem, numbers, graph, strong, options.verification);

@@ -150,6 +150,21 @@ struct FewPointsOptions {
     std::uint32_t min_observations = 40;
 };
 
+/// When pairs are seen through the lens that models have found since they were verified
+/// (strong_lenses.h).
+struct StrongLensOptions {
+    /// Part of the longer side by which such a lens moves a corner of the photograph; 0: no lens
+    /// is strong. Lowered: slower; raised: models of wide lenses contradict their pairs, which
+    /// verification bent. Ours: lenses of phones, drones and cameras that correct theirs have 0.005
+    /// at most, others 0.02 and more (docs/cameras.md).
+    double min_displacement = 0.01;
+    /// Pairs whose rotation differs from the recycled model's by so little are not looked at again
+    /// [deg]. Lowered: slower, since the others are in each solve (docs/notebook/
+    /// 2026-11-29-strong-lenses.md); raised: models contradict their pairs. Ours: half of
+    /// max_edge_error_deg.
+    double max_bend_deg = 5.0;
+};
+
 struct SolveOptions {
     /// The sizes at which a solve changes its ways.
     SolvePolicy policy;
@@ -181,12 +196,7 @@ struct SolveOptions {
     /// What a weak edge weighs where rotations are averaged, beside others: it decides where
     /// nothing else does. Raised: wrong ones turn parts. Ours.
     double weak_edge_weight = 1e-3;
-    /// Part of the longer side by which a lens that models have found moves a corner of a
-    /// photograph for its pairs to be seen through it, which verification, that did not know it,
-    /// bent; 0: none is. Lowered: slower, since these pairs are looked at again in each solve;
-    /// raised: models of wide lenses contradict their pairs. Ours: lenses of phones, drones and
-    /// cameras that correct theirs have 0.005 at most, others 0.02 and more (docs/cameras.md).
-    double strong_lens = 0.01;
+    StrongLensOptions strong_lenses;
     /// Images of a camera that a published model must have for its intrinsics to be taken over in
     /// other clusters. Lowered: weak geometry's guesses spread; raised: each cluster guesses by
     /// itself. Not tuned.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "stages/algorithms/math/angles.h"
 #include "stages/verification/verify_matches.h"
 
 namespace psfm {
@@ -36,19 +37,38 @@ Camera with_focal_of(Camera verified, const Camera& believed) {
 
 }  // namespace
 
-std::set<CameraId> strong_lenses(const ClusterProblem& problem,
-                                 const std::map<CameraId, Camera>& believed,
-                                 double min_displacement) {
-    std::set<CameraId> strong;
-    if (min_displacement == 0.0) return strong;
+StrongLenses::StrongLenses(const ClusterProblem& problem,
+                           const std::map<CameraId, Camera>& believed,
+                           const StrongLensOptions& options)
+    : problem_(problem), options_(options) {
+    if (options.min_displacement == 0.0) return;
     for (const auto& [id, camera] : believed) {
         if (camera.focal_source == FocalSource::kUnknown) continue;
+        known_.insert(id);
         const Camera verified = with_focal_of(problem.cameras.at(id), camera);
         const double longer_side = std::max(camera.width, camera.height);
-        if (corner_displacement_px(camera, verified) > min_displacement * longer_side)
-            strong.insert(id);
+        if (corner_displacement_px(camera, verified) > options.min_displacement * longer_side)
+            strong_.insert(id);
     }
-    return strong;
+}
+
+bool StrongLenses::may_bend(const VerifiedPair& pair, const ClusterImage& image1,
+                            const ClusterImage& image2) const {
+    return (strong_.contains(image1.camera) || strong_.contains(image2.camera)) &&
+           known_.contains(image1.camera) && known_.contains(image2.camera) &&
+           pair.geometry.kind != TwoViewKind::kPureRotation && !is_confirmed(pair);
+}
+
+bool StrongLenses::is_confirmed(const VerifiedPair& pair) const {
+    if (problem_.recycled.empty()) return false;
+    const Reconstruction& model = *problem_.recycled.front();
+    const RegisteredImage* first = model.find(pair.pair.first);
+    const RegisteredImage* second = model.find(pair.pair.second);
+    if (first == nullptr || second == nullptr) return false;
+    const Eigen::Quaterniond turned =
+        second->cam_from_cluster.rotation * first->cam_from_cluster.rotation.conjugate();
+    const double off = turned.angularDistance(pair.geometry.cam2_from_cam1.rotation);
+    return degrees_from_radians(off) <= options_.max_bend_deg;
 }
 
 VerifiedPairPtr seen_through(const VerifiedPairPtr& pair, const ClusterImage& image1,

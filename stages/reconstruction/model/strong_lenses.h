@@ -9,18 +9,35 @@
 #include "graph/ids.h"
 #include "graph/two_view_geometry.h"
 #include "stages/reconstruction/model/cluster_problem.h"
+#include "stages/reconstruction/model/solve_options.h"
 #include "stages/verification/verify_options.h"
 
 namespace psfm {
 
-/// Cameras with a lens, as believed now, that moves a corner of the photograph by more than a part
-/// of its longer side from where verification saw it, which did not know that lens.
-/// @param believed  of these, those with a known focal length are asked
-/// @param min_displacement  that part; 0: no lens counts as strong
-/// Thread-safe.
-std::set<CameraId> strong_lenses(const ClusterProblem& problem,
-                                 const std::map<CameraId, Camera>& believed,
-                                 double min_displacement);
+/// The lenses of a cluster that are strong: that move a corner of the photograph by more than a
+/// part of its longer side from where verification saw it, which did not know them. Immutable;
+/// thread-safe; the problem must outlive it.
+class StrongLenses {
+  public:
+    /// @param believed  cameras as they are believed now: of these, those with a known focal length
+    ///        are asked
+    StrongLenses(const ClusterProblem& problem, const std::map<CameraId, Camera>& believed,
+                 const StrongLensOptions& options);
+
+    /// Whether verification may have bent a pair: it is seen through a strong lens, the focal
+    /// lengths of both its images are known, it steps, and the recycled model does not confirm its
+    /// rotation.
+    bool may_bend(const VerifiedPair& pair, const ClusterImage& image1,
+                  const ClusterImage& image2) const;
+
+  private:
+    bool is_confirmed(const VerifiedPair& pair) const;
+
+    const ClusterProblem& problem_;
+    StrongLensOptions options_;
+    std::set<CameraId> known_;
+    std::set<CameraId> strong_;
+};
 
 /// A verified pair as it is seen through such lenses: its geometry is estimated anew from its
 /// inliers, since one that was found without the lens is bent by it. (Matches near the rim, which

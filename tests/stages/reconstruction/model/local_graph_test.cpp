@@ -106,6 +106,8 @@ struct WideLens {
     synthetic::SyntheticScene scene;
     ClusterProblem problem;
 
+    static constexpr std::uint32_t kInModel = 5;
+
     explicit WideLens(double k1) {
         synthetic::SceneOptions options = synthetic::ring_around_sphere(8);
         options.cameras.k1 = k1;
@@ -127,18 +129,21 @@ struct WideLens {
         Reconstruction model;
         model.cameras[id] = lens;
         model.cameras[id].focal_source = FocalSource::kEstimated;
-        model.images.resize(5);
+        for (std::uint32_t i = 0; i < kInModel; ++i)
+            model.images.push_back({ImageId{i}, id, scene.images[i].cam_from_world});
         problem.recycled = {std::make_shared<const Reconstruction>(model)};
     }
 
-    /// Of the relative rotations of a local graph's pairs [deg].
-    double median_error_deg(double strong_lens) const {
+    /// Median error of the relative rotations of the local graph's pairs [deg]: of those between
+    /// images of the model, or of the others.
+    double median_error_deg(bool within_model, const StrongLensOptions& strong_lenses) const {
         SolveOptions options;
-        options.strong_lens = strong_lens;
+        options.strong_lenses = strong_lenses;
         const auto graph = make_local_graph(problem, options);
         EXPECT_TRUE(graph.ok());
         std::vector<double> errors;
         for (const VerifiedPairPtr& pair : graph->pairs) {
+            if ((index_of(pair->pair.second) < kInModel) != within_model) continue;
             const auto rotation = [&](ImageId image) {
                 return scene.images[index_of(image)].cam_from_world.rotation;
             };
@@ -147,20 +152,30 @@ struct WideLens {
             errors.push_back(degrees_from_radians(
                 truth.angularDistance(pair->geometry.cam2_from_cam1.rotation)));
         }
-        EXPECT_GE(errors.size(), scene.images.size());
+        EXPECT_GE(errors.size(), kInModel - 1);
         return upper_median(errors);
     }
 };
 
+constexpr StrongLensOptions kNoLensIsStrong{.min_displacement = 0.0};
+
 TEST(LocalGraph, SeesPairsThroughALensThatTurnedOutToBeStrong) {
-    const WideLens lens(-0.3);
-    EXPECT_GT(lens.median_error_deg(0.0), 0.5) << "bent as they were verified";
-    EXPECT_LT(lens.median_error_deg(SolveOptions{}.strong_lens), 0.05);
+    const WideLens wide(-0.3);
+    EXPECT_GT(wide.median_error_deg(false, kNoLensIsStrong), 0.5) << "bent as they were verified";
+    EXPECT_LT(wide.median_error_deg(false, {}), 0.05);
 }
 
 TEST(LocalGraph, LeavesPairsAloneThatTheLensHardlyBends) {
-    const WideLens lens(-0.01);
-    EXPECT_EQ(lens.median_error_deg(SolveOptions{}.strong_lens), lens.median_error_deg(0.0));
+    const WideLens narrow(-0.01);
+    EXPECT_EQ(narrow.median_error_deg(false, {}), narrow.median_error_deg(false, kNoLensIsStrong));
+}
+
+TEST(LocalGraph, LeavesPairsAloneThatTheModelConfirms) {
+    const WideLens wide(-0.3);
+    const double bent_deg = wide.median_error_deg(true, kNoLensIsStrong);
+    EXPECT_GT(bent_deg, 0.1);
+    EXPECT_EQ(wide.median_error_deg(true, {.max_bend_deg = 180.0}), bent_deg);
+    EXPECT_LT(wide.median_error_deg(true, {.max_bend_deg = 0.0}), 0.05);
 }
 
 }  // namespace
