@@ -154,10 +154,10 @@ struct FewPointsOptions {
 /// (strong_lenses.h).
 struct StrongLensOptions {
     /// Part of the longer side by which such a lens moves a corner of the photograph; 0: no lens
-    /// is strong. Lowered: slower; raised: models of wide lenses contradict their pairs, which
-    /// verification bent. Ours: lenses of phones, drones and cameras that correct theirs have 0.005
-    /// at most, others 0.02 and more (docs/cameras.md).
-    double min_displacement = 0.01;
+    /// is strong. Lowered: slower, and lenses that a few look-alikes invented are believed; raised:
+    /// models of wide lenses contradict their pairs, which verification bent. Ours: most lenses
+    /// have 0.024 at most, a barrel of 5 per cent 0.1 (docs/notebook/2026-11-29-strong-lenses.md).
+    double min_displacement = 0.03;
     /// Pairs whose rotation differs from the recycled model's by so little are not looked at again
     /// [deg]. Lowered: slower, since the others are in each solve (docs/notebook/
     /// 2026-11-29-strong-lenses.md); raised: models contradict their pairs. Ours: half of
