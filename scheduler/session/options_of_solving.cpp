@@ -58,7 +58,8 @@ namespace {
 // NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
-constexpr std::array kSolvingOptions{
+// to_array: clang deduces the size of no more than 256 elements.
+constexpr auto kSolvingOptions = std::to_array<NamedOption>({
     PSFM_MOVED_OPTION("solve.mu_min", solve.policy.mu_min, 2, kCount, "images that a cluster needs to be reconstructed", "ours, on parts of ordinary collections; paper: 5"),
     PSFM_MOVED_OPTION("solve.mu_max", solve.policy.mu_max, 2, kCount, "images up to which a new cluster is started incrementally", "paper: mu_max"),
     PSFM_MOVED_OPTION("solve.eta_grow", solve.policy.full_adjustment.again_when_grown_by, 1e-6, 100, "growth after which all of a model is adjusted", "paper: eta_grow"),
@@ -278,7 +279,7 @@ constexpr std::array kSolvingOptions{
     PSFM_OPTION(solve.verification.min_inlier_ratio, 0, 1, "likewise", "ours, on Strecha's scenes and kitchen"),
     PSFM_OPTION(solve.verification.min_inliers, 8, 1e6, "likewise", "COLMAP 3.8, min_num_inliers"),
     PSFM_OPTION(solve.verification.refine_loss_px, 0.001, 1000, "likewise [px]", "ours; docs/verification.md"),
-};
+});
 // clang-format on
 #undef PSFM_ADJUSTMENT_OPTIONS
 #undef PSFM_REFINEMENT_OPTIONS
