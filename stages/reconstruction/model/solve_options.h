@@ -155,8 +155,9 @@ struct FewPointsOptions {
 struct StrongLensOptions {
     /// Part of the longer side by which such a lens moves a corner of the photograph; 0: no lens
     /// is strong. Lowered: slower, and lenses that a few look-alikes invented are believed; raised:
-    /// models of wide lenses contradict their pairs, which verification bent. Ours: most lenses
-    /// have 0.024 at most, a barrel of 5 per cent 0.1 (docs/notebook/2026-11-29-strong-lenses.md).
+    /// models of wide lenses contradict their pairs, which verification bent. Ours: lenses of
+    /// phones and drones have 0.005 at most, a barrel of 5 per cent 0.09
+    /// (docs/notebook/2026-11-29-strong-lenses.md).
     double min_displacement = 0.03;
     /// Pairs whose rotation differs from the recycled model's by so little are not looked at again
     /// [deg]. Lowered: slower, since the others are in each solve (docs/notebook/

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "stages/algorithms/two_view/decompose_two_view.h"
+#include "stages/verification/match_density.h"
 #include "tests/stages/verification/two_views.h"
 
 namespace psfm {
@@ -49,6 +50,16 @@ TEST(VerifyPair, GeneralSceneOfKnownCameras) {
         EXPECT_NEAR(geometry->median_angle_deg, 12.0, 3.0);
         expect_good_inliers(views, *geometry);
     }
+}
+
+TEST(VerifyPair, SaysHowDenselyTheInliersMatch) {
+    const TwoViews views = make_two_views({}, 1);
+    const Result<TwoViewGeometry> geometry = verify_pair(views.matched(), {}, kSeed);
+    ASSERT_TRUE(geometry.ok()) << geometry.error().message;
+    const MatchDensity density = match_density(views.matched(), geometry->inliers);
+    EXPECT_GT(density.shared, 0.0);
+    EXPECT_EQ(geometry->match_density, density.shared);
+    EXPECT_EQ(geometry->core_density, density.core);
 }
 
 TEST(VerifyPair, DifferentCamerasWithDistortion) {
