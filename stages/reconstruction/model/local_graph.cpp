@@ -85,17 +85,12 @@ Result<std::map<CameraId, Camera>> starting_cameras(const ClusterProblem& proble
     return cameras;
 }
 
-/// Relative poses of pairs without known focal lengths, or with lenses that have turned out to be
-/// strong, follow from the cameras as they are believed now.
+/// A pair's relative pose where it was verified without its focal lengths: it follows from the
+/// cameras as they are believed now.
 /// @return null when no pose agrees with the pair's matches any more
-VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem,
-                             const LocalNumbers& numbers, const LocalGraph& graph,
-                             const StrongLenses& strong, const VerifyOptions& options) {
-    const ClusterImage& image1 = problem.images[numbers.of(pair->pair.first)];
-    const ClusterImage& image2 = problem.images[numbers.of(pair->pair.second)];
-    if (strong.may_bend(*pair, image1, image2)) {
-        if (auto seen = seen_through(pair, image1, image2, graph.cameras, options)) return seen;
-    }
+VerifiedPairPtr with_focals(const VerifiedPairPtr& pair, const ClusterImage& image1,
+                            const ClusterImage& image2, const ClusterProblem& problem,
+                            const LocalGraph& graph, const VerifyOptions& options) {
     const Camera& verified1 = problem.cameras.at(image1.camera);
     const Camera& verified2 = problem.cameras.at(image2.camera);
     if (verified1.focal_source != FocalSource::kUnknown &&
@@ -109,6 +104,20 @@ VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& 
     auto geometry = with_intrinsics(pair->geometry, views, options);
     if (!geometry.ok()) return nullptr;  // Expected: its matches do not hold with these cameras
     return std::make_shared<const VerifiedPair>(VerifiedPair{pair->pair, *std::move(geometry)});
+}
+
+/// The same, and where lenses have turned out to be strong, a pair that they may have bent is seen
+/// through them.
+VerifiedPairPtr with_cameras(const VerifiedPairPtr& pair, const ClusterProblem& problem,
+                             const LocalNumbers& numbers, const LocalGraph& graph,
+                             const StrongLenses& strong, const VerifyOptions& options) {
+    const ClusterImage& image1 = problem.images[numbers.of(pair->pair.first)];
+    const ClusterImage& image2 = problem.images[numbers.of(pair->pair.second)];
+    VerifiedPairPtr local = with_focals(pair, image1, image2, problem, graph, options);
+    if (strong.may_bend(local ? *local : *pair, image1, image2)) {
+        if (auto seen = seen_through(pair, image1, image2, graph.cameras, options)) return seen;
+    }
+    return local;
 }
 
 /// Whether a pair's matches leave more than one pose to choose from: of planes, unknown focal

@@ -27,6 +27,7 @@ class StrongLenses {
     /// Whether verification may have bent a pair: it is seen through a strong lens, the focal
     /// lengths of both its images are known, it steps, and the recycled model does not confirm its
     /// rotation.
+    /// @param pair  without the lenses, and with the focal lengths that are believed now
     bool may_bend(const VerifiedPair& pair, const ClusterImage& image1,
                   const ClusterImage& image2) const;
 

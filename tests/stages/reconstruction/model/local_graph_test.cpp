@@ -108,13 +108,14 @@ struct WideLens {
 
     static constexpr std::uint32_t kInModel = 5;
 
-    explicit WideLens(double k1) {
+    /// @param assumed  focal length that pairs were verified with, over the true one
+    explicit WideLens(double k1, double assumed = 1.0) {
         synthetic::SceneOptions options = synthetic::ring_around_sphere(8);
         options.cameras.k1 = k1;
         scene = synthetic::make_scene(options, 4);
         const auto [id, lens] = *scene.cameras.begin();
         const Camera accepted =
-            make_camera(lens.width, lens.height, lens.fx(), FocalSource::kUnknown);
+            make_camera(lens.width, lens.height, assumed * lens.fx(), FocalSource::kUnknown);
         std::vector<VerifiedPairPtr> pairs;
         for (const VerifiedPairPtr& truth : synthetic::make_verified_pairs(scene)) {
             const auto& first = scene.images[index_of(truth->pair.first)].keypoints;
@@ -176,6 +177,12 @@ TEST(LocalGraph, LeavesPairsAloneThatTheModelConfirms) {
     EXPECT_GT(bent_deg, 0.1);
     EXPECT_EQ(wide.median_error_deg(true, {.max_bend_deg = 180.0}), bent_deg);
     EXPECT_LT(wide.median_error_deg(true, {.max_bend_deg = 0.0}), 0.05);
+}
+
+TEST(LocalGraph, AsksTheModelOfPosesThatFollowFromTheFocalLengthsItFound) {
+    const WideLens wide(-0.3, 0.5);
+    EXPECT_EQ(wide.median_error_deg(true, {.max_bend_deg = 10.0}),
+              wide.median_error_deg(true, kNoLensIsStrong));
 }
 
 }  // namespace
