@@ -87,7 +87,8 @@ bool mend_jpeg_end(std::vector<std::uint8_t>& bytes) {
     if (!has_half) bytes.push_back(0xFF);
     bytes.push_back(0xD9);
     if (has_all_data(bytes)) return true;
-    bytes.resize(bytes.size() - (has_half ? 1 : 2));
+    bytes.pop_back();
+    if (!has_half) bytes.pop_back();
     return false;
 }
 
