@@ -47,6 +47,7 @@ bool all_settled(const ClusterTable& clusters) {
 Result<StoredEdit> ClusterKeeper::add_image(ImageId image,
                                             const std::vector<VerifiedPairPtr>& pairs) {
     ++state_->verified;
+    taken_back_.clear();
     return apply(select_edges(state_->edges, state_->view_graph, image, pairs, options_->edges),
                  {});
 }
@@ -61,6 +62,8 @@ Result<StoredEdit> ClusterKeeper::separate(const ClusterProblem& problem,
         images.insert(images.end(), place.begin(), place.end());  // some may not be in it
     sort_unique(images);
     PlaceVerdict verdict = judge_places(state_->edges, images, solution->places);
+    std::erase_if(verdict.together,
+                  [&](const ImagePair& pair) { return !taken_back_.insert(pair).second; });
     if (verdict.empty()) return StoredEdit{};
     if (!verdict.apart.empty()) {
         for (const ImagePair& pair :
@@ -88,6 +91,7 @@ Result<StoredEdit> ClusterKeeper::forget_places() {
     if (all_settled(state_->clusters)) return StoredEdit{};  // nothing has come since then
     ask_below_ = kAnyNumber;
     tried_again_.clear();
+    taken_back_.clear();
     PlaceVerdict verdict;
     std::set<ClusterId> holders;
     for (const std::vector<ImageId>& images :

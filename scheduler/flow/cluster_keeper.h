@@ -33,7 +33,8 @@ class ClusterKeeper {
     /// A new image has its pairs. @errors those of the store
     Result<StoredEdit> add_image(ImageId image, const std::vector<VerifiedPairPtr>& pairs);
     /// Keeps images apart that a model shows beside each other and that are of different places,
-    /// and takes that back where a model says otherwise; once, too, where images that are too few
+    /// and takes that back where a model says otherwise, once for each pair until another image
+    /// comes: a cluster and a part of it may never agree. Once, too, where images that are too few
     /// for a model are cut off a second time (apart_before). @errors those of the store
     Result<StoredEdit> separate(const ClusterProblem& problem,
                                 const Result<ClusterSolution>& solution);
@@ -80,6 +81,7 @@ class ClusterKeeper {
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_;  // verified images when that happened last
     std::set<ImagePair> tried_again_;    // since then: apart_before took them back
+    std::set<ImagePair> taken_back_;     // since the last image: a model took them back
     /// Mathematics: more than there can be.
     static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);
     /// reunite_places() asks only while fewer pairs than this are held apart. At first of any
