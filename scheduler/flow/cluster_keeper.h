@@ -81,7 +81,7 @@ class ClusterKeeper {
     Outbox* outbox_;
     std::uint32_t places_forgotten_at_;  // verified images when that happened last
     std::set<ImagePair> tried_again_;    // since then: apart_before took them back
-    std::set<ImagePair> taken_back_;     // since the last image: a model took them back
+    std::set<ImagePair> taken_back_;     // since the last image, too: a model did
     /// Mathematics: more than there can be.
     static constexpr std::size_t kAnyNumber = static_cast<std::size_t>(-1);
     /// reunite_places() asks only while fewer pairs than this are held apart. At first of any
