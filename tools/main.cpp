@@ -8,10 +8,12 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <exception>
 #include <iostream>
 #include <opencv2/core/utils/logger.hpp>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -100,6 +102,18 @@ int run(int argc, char** argv) {
     return exit_code;
 }
 
+/// A full disk behind `psfm status --json > FILE`, say, is found when what was printed is on its
+/// way.
+int ended_with(int exit_code) {
+    errno = 0;
+    std::cout.flush();
+    if (std::cout.good()) return exit_code;
+    std::cerr << "psfm: what was to be printed cannot be written";
+    if (errno != 0) std::cerr << " (" << std::system_category().message(errno) << ')';
+    std::cerr << "; is the disk full?\n";
+    return exit_code != 0 ? exit_code : kUnexpectedError;
+}
+
 /// What libraries have to say is in their results; their own lines would stand between ours on
 /// stderr.
 void quieten_libraries() {
@@ -123,7 +137,7 @@ int main(int argc, char** argv) {
     try {
         allow_open_files();
         quieten_libraries();
-        return run(argc, argv);
+        return ended_with(run(argc, argv));
     } catch (const std::exception& exception) {
         std::cerr << "psfm: unexpected failure (" << exception.what()
                   << "); the session keeps what it acknowledged\n";

@@ -110,8 +110,12 @@ std::size_t read_some(int fd, std::uint8_t* to, std::size_t count) {
 Result<std::vector<std::uint8_t>> read_checked(const std::filesystem::path& file) {
     const FileDescriptor input(file, O_RDONLY);
     struct stat status {};
-    if (input.get() < 0 || ::fstat(input.get(), &status) != 0)
-        return system_error(file, "open the vocabulary");
+    if (input.get() < 0 || ::fstat(input.get(), &status) != 0) {
+        Error error = system_error(file, "open the vocabulary");
+        if (error.code == ErrorCode::kNotFound)
+            error.message += "; `psfm vocabulary train` makes one";
+        return error;
+    }
     std::vector<std::uint8_t> bytes(kHeaderBytes);
     if (!S_ISREG(status.st_mode) ||
         read_some(input.get(), bytes.data(), bytes.size()) != bytes.size() ||

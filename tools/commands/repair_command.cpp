@@ -14,6 +14,7 @@
 #include <optional>
 #include <set>
 
+#include "graph/wording.h"
 #include "scheduler/front_end/salvage.h"
 #include "storage/database/file_lock.h"
 #include "storage/database/rebuild_database.h"
@@ -230,24 +231,28 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     std::cout << "the session is whole again; what was damaged lies in " << folders.damaged.string()
               << " and can be deleted\n";
     if (lost == 0) return 0;
-    std::cerr << "psfm: " << lost
-              << " images could not be recomputed; put their files back and 'psfm run' adds them\n";
+    std::cerr << "psfm: " << counted(lost, "image")
+              << " could not be recomputed; once the files are back, 'psfm run' adds them\n";
     return 1;
+}
+
+int refuse_second_repair(const Folders& folders) {
+    return report_error(
+        {ErrorCode::kInvalidArgument,
+         quoted(folders.damaged) + " is there from an earlier repair; move or delete it"});
 }
 
 int repair(const RepairArguments& arguments) {
     const Folders folders{arguments.session};
-    if (fs::exists(folders.damaged)) {
-        return report_error(
-            {ErrorCode::kInvalidArgument,
-             quoted(folders.damaged) + " is there from an earlier repair; move or delete it"});
-    }
+    const bool is_second = fs::exists(folders.damaged);
+    if (is_second && !fs::exists(folders.session)) return refuse_second_repair(folders);
     auto patient = examine(folders);
     if (!patient.ok()) return report_error(patient.error());
     if (patient->damaged_records == 0) {
         std::cout << "every record is intact; there is nothing to repair\n";
         return 0;
     }
+    if (is_second) return refuse_second_repair(folders);
     return run_again(folders, arguments, *patient);
 }
 

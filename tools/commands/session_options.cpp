@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "scheduler/session/option_table.h"
+#include "stages/retrieval/vocabulary_file.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/photo_order.h"
@@ -171,6 +172,30 @@ Result<SessionConfig> config_from(const SessionArguments& arguments,
     return config;
 }
 
+namespace {
+
+/// What a new session is to use can be used. A log may lie in the session's own folder.
+Result<void> check_named_files(const RunRequest& request) {
+    const std::string& vocabulary = request.config.vocabulary_file;
+    if (!vocabulary.empty()) {
+        if (const auto words = read_vocabulary(vocabulary); !words.ok()) return words.error();
+    }
+    if (request.log_file.empty()) return {};
+    const auto as_folder = [](const std::filesystem::path& path) {
+        return (std::filesystem::absolute(path) / "").lexically_normal();
+    };
+    const std::filesystem::path folder =
+        as_folder(std::filesystem::absolute(request.log_file).parent_path());
+    if (folder == as_folder(request.session)) return {};
+    std::error_code unknown;
+    if (std::filesystem::is_directory(folder, unknown)) return {};
+    return Error{ErrorCode::kIo, "cannot write the log " + request.log_file +
+                                     ": there is no folder " + folder.string() +
+                                     "; make it, or choose another --log"};
+}
+
+}  // namespace
+
 int start_session(const CLI::App& command, const SessionArguments& arguments,
                   const std::filesystem::path& input, SessionConfig config, bool watch) {
     RunRequest request;
@@ -196,8 +221,10 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
         return {};
     };
     // Before a session is made: a mistyped name leaves nothing behind.
-    if (!watch && !std::filesystem::exists(request.session)) {
-        if (const auto done = put_in_order({}); !done.ok())
+    if (!std::filesystem::exists(request.session)) {
+        if (const auto found = check_named_files(request); !found.ok())
+            return report_error(found.error(), ErrorOrigin::kOtherInput);
+        if (const auto done = watch ? Result<void>{} : put_in_order({}); !done.ok())
             return report_error(done.error(), ErrorOrigin::kOtherInput);
     }
 

@@ -86,12 +86,16 @@ Result<FoundPhotos> photos_by_name(const RunRequest& request) {
     }
     auto listing = list_photos(request.input);
     if (!listing.ok()) return listing.error();
+    std::vector<std::string> unusable;
     for (const RejectedPath& rejected : listing->rejected) {
         std::cerr << "rejected " << rejected.name << ": " << rejected.reason << '\n';
+        unusable.push_back(rejected.name);
     }
     for (const std::string& line : describe(listing->unread)) std::cerr << line << '\n';
     found.photos = std::move(listing->photos);
     found.unread = describe_briefly(listing->unread);
+    if (!unusable.empty())
+        found.unread.append(found.unread.empty() ? "" : "; ").append(some_of(unusable));
     return found;
 }
 

@@ -38,7 +38,7 @@ ExecutionOptions execution_of(int threads, const StoreOptions& store);
 
 struct FoundPhotos {
     std::vector<PhotoFile> photos;  ///< ascending by name
-    std::string unread;             ///< see RunRequest
+    std::string unread;             ///< see RunRequest; and paths that cannot be used
 };
 /// What could take part: the folder's photographs, or the database's images. Tells of files that
 /// cannot.

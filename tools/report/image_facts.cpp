@@ -87,7 +87,7 @@ void SinceBook::add(const PastVersion& version) {
         known = std::max(known, std::size_t{index_of(image)} + 1);
     known = std::max<std::size_t>(known, version.image_count);
     since_.resize(known);
-    const Since here{version.version, version.image_count};
+    const Since here{version.version, summary->counts.images};
     for (const auto& [image, reason] : now) {
         const auto found = waiting_.find(image);
         if (found == waiting_.end() || found->second != reason) since_[index_of(image)] = here;

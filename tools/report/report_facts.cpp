@@ -237,12 +237,11 @@ Result<ReportFacts> read_report_facts(const SessionReader& session,
     add_parts(facts);
     add_position_errors(facts);
     std::vector<double> features, inliers;
-    for (const Image& image : facts.session.images) {
-        const auto keypoints = session.keypoints(image.id);
+    for (const ImageFact& fact : facts.session.facts) {
+        if (!fact.id) continue;
+        const auto keypoints = session.keypoints(*fact.id);
         if (!keypoints.ok()) return keypoints.error();
         features.push_back(static_cast<double>((*keypoints)->size()));
-    }
-    for (const ImageFact& fact : facts.session.facts) {
         if (fact.state == ImageState::kPlaced) inliers.push_back(fact.inliers);
     }
     facts.features = spread_of(std::move(features));

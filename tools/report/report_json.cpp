@@ -78,7 +78,7 @@ ordered_json history_json(const ReportFacts& facts) {
         const auto summary = decode_summary(version.summary_json);
         if (!summary.ok()) continue;  // Expected: damaged; told of where it is the latest
         versions.push_back({{"version", version.version},
-                            {"images", version.image_count},
+                            {"images", summary->counts.images},
                             {"placed", summary->counts.placed},
                             {"parts", version.effective_clusters},
                             {"resets", summary->counts.resets}});

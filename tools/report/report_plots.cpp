@@ -243,12 +243,12 @@ std::string history_plot(const ReportFacts& facts) {
         const auto summary = decode_summary(version.summary_json);
         if (!summary.ok()) continue;  // Expected: damaged; told of where it is the latest
         const auto x = static_cast<double>(version.image_count);
-        series[0].points.emplace_back(x, x);
+        series[0].points.emplace_back(x, summary->counts.images);
         series[1].points.emplace_back(x, summary->counts.placed);
         series[2].points.emplace_back(x, version.effective_clusters);
     }
     return line_chart("Images, placed images and parts over the versions", series,
-                      "images of the session");
+                      "images that had come");
 }
 
 }  // namespace psfm

@@ -216,14 +216,13 @@ HttpResponse Api::pair(std::uint32_t first, std::uint32_t second) const {
 }
 
 HttpResponse Api::thumbnail(std::uint32_t image) const {
-    const auto facts = parts_.live->facts();
-    if (image >= facts.size() || !facts[image].id || !parts_.thumbnail)
-        return problem(404, "there is no such image");
+    const auto fact = parts_.live->fact_of(static_cast<ImageId>(image));
+    if (!fact || !parts_.thumbnail) return problem(404, "there is no such image");
     const auto folders = photo_folders(*parts_.reader, parts_.session);
     // Expected: without them it is not known where the photograph lies
-    const auto photo = folders.ok() ? find_photo(*folders, facts[image].name) : std::nullopt;
+    const auto photo = folders.ok() ? find_photo(*folders, fact->name) : std::nullopt;
     if (!photo) return problem(404, "this photograph is not where the session had it");
-    const std::filesystem::path kept = thumbnail_file(parts_.session, facts[image].name);
+    const std::filesystem::path kept = thumbnail_file(parts_.session, fact->name);
     std::string bytes;
     if (std::ifstream stream(kept, std::ios::binary); stream) {
         bytes.assign(std::istreambuf_iterator<char>(stream), {});

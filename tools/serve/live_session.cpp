@@ -365,4 +365,10 @@ std::vector<ImageFact> LiveSession::facts() const {
     return facts_;
 }
 
+std::optional<ImageFact> LiveSession::fact_of(ImageId image) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(facts_, std::optional(image), &ImageFact::id);
+    return found == facts_.end() ? std::nullopt : std::optional(*found);
+}
+
 }  // namespace psfm

@@ -86,6 +86,8 @@ class LiveSession final : public SessionObserver {
     /// The version that was told of last; its models may lack points.
     ScenePtr scene_version() const;
     std::vector<ImageFact> facts() const;
+    /// Nothing of an image that is not there, or was taken out.
+    std::optional<ImageFact> fact_of(ImageId image) const;
 
   private:
     /// A model whose states have been told.

@@ -43,7 +43,7 @@ ordered_json versions_json(const SessionFacts& facts) {
         const auto summary = decode_summary(facts.versions[i].summary_json);
         if (!summary.ok()) continue;  // Expected: damaged; told of where it is the latest
         versions.push_back({{"version", facts.versions[i].version},
-                            {"images", facts.versions[i].image_count},
+                            {"images", summary->counts.images},
                             {"placed", summary->counts.placed},
                             {"parts", facts.versions[i].effective_clusters},
                             {"resets", summary->counts.resets}});

@@ -74,7 +74,10 @@ class GoOn(unittest.TestCase):
         (photos / "a.jpg").write_text("no photograph")
         missing = self.folder / "nowhere.psfm"
         run = "run", photos, "--session", self.session
-        self.assertIn(str(missing), self.ends(BAD_INPUT, *run, "--vocabulary", missing))
+        said = self.ends(BAD_INPUT, *run, "--vocabulary", missing)
+        self.assertIn(str(missing), said)
+        self.assertIn("psfm vocabulary train", said)
+        self.assertFalse(self.session.exists())
         self.assertIn("a.jpg: is not an image", self.ends(BAD_INPUT, *run))
         missing.write_text("no vocabulary")
         self.assertIn(str(missing), self.ends(BAD_INPUT, *run, "--vocabulary", missing))
@@ -99,9 +102,23 @@ class GoOn(unittest.TestCase):
             self.assertEqual(self.images(), 7)
 
     def test_a_log_that_cannot_be_written_changes_nothing(self):
+        self.assertIn("there is no folder", self.ends(1, "import", *self.database(), "--log", self.folder / "none/log"))
+        self.assertFalse(self.session.exists())
         self.ends(1, "import", *self.database(), "--log", self.folder, "--seed", 3)
         self.ends(0, "import", *self.database())
         self.ends(BAD_INPUT, "import", *self.database(), "--seed", 3)
+
+    def test_a_log_may_lie_in_the_session(self):
+        self.ends(0, "import", *self.database(), "--log", self.session / "log.jsonl")
+        self.assertIn('"event":"image"', (self.session / "log.jsonl").read_text())
+
+    def test_a_full_disk_behind_what_is_printed_is_told(self):
+        self.ends(0, "import", *self.database())
+        for words in ("status", "--session", self.session, "--json"), ("options", "--markdown"), ("--help",):
+            with open("/dev/full", "w", encoding="utf8") as full:
+                done = subprocess.run([BUILD / "psfm", *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertIn("cannot be written", done.stderr)
 
     def test_what_is_left_out_is_as_it_was(self):
         self.ends(0, "import", *self.database(), "--fix-intrinsics", "--seed", 3, "--preset", "paper")

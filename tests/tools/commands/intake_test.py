@@ -185,6 +185,8 @@ class Intake(Sessions):
         self.assertNotIn(names[3], self.names())
         removed = [image["words"] for image in status["image_list"] if image["name"] == names[3]]
         self.assertEqual(removed, ["was taken out with 'psfm remove', which '--undo' takes back"])
+        export = "export", "--session", self.session, "--format", "colmap-database", "--output", self.folder / "database"
+        self.assertIn("6 images of 1 camera", self.ends(0, *export))
         self.ends(0, "check", "--session", self.session)
         self.run_on(photos)
         (photos / names[3]).rename(photos / "renamed.jpg")

@@ -122,6 +122,10 @@ class Repair(unittest.TestCase):
     def test_a_sound_session_is_left_alone(self):
         self.assertIn("nothing to repair", self.repair().stdout)
         self.assertFalse((self.folder / "session.damaged").exists())
+        (self.folder / "session.damaged").mkdir()  # of an earlier repair
+        self.assertIn("nothing to repair", self.repair().stdout)
+        (self.session / "db/CURRENT").unlink()
+        self.assertIn("earlier repair", self.repair(3).stderr)
 
     def test_compact_gives_space_back(self):
         shutil.rmtree(self.session)

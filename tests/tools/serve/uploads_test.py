@@ -68,6 +68,10 @@ class Uploads(ServeCase):
     def names(self, token):
         return sorted(image.get("title", image["name"]) for image in self.server.json("/session", token)["image_list"])
 
+    def thumbnail(self, image, token):
+        answer = self.server.ask("GET", f"{API}/images/{image}/thumbnail", token=token)
+        return answer[0], answer[-1]
+
     def remove(self, data, token):
         return self.server.ask("DELETE", self.url(data), token=token)[0]
 
@@ -82,13 +86,16 @@ class Uploads(ServeCase):
         self.assertEqual(self.server.put(second, "again.jpg", tokens["Bob"])[0], 200)
         self.assertEqual(self.remove(first, tokens["Bob"]), 404, "it is not his")
         self.assertEqual(self.remove(first, tokens["Lou"]), 403)
-        self.assertEqual(self.server.ask("GET", f"{API}/images/0/thumbnail", token=tokens["Ada"])[0], 200)
+        thumbnails = [self.thumbnail(i, tokens["Ada"]) for i in range(6)]
+        self.assertEqual([code for code, _ in thumbnails], 6 * [200])
         before = len(self.files())
         self.assertEqual(self.remove(first, tokens["Ada"]), 204)
         self.assertEqual(len(self.files()), before - 2, "the photograph and its thumbnail are gone at once")
         self.assertEqual(self.remove(first, tokens["Ada"]), 404)
         self.wait_for(lambda: self.names(tokens["Ada"]) == [f"{i}.jpg" for i in range(1, 6)])
         self.wait_for(lambda: self.server.json("/session", tokens["Ada"])["counts"]["placed"] == 5)
+        self.assertEqual([self.thumbnail(i, tokens["Ada"]) for i in range(1, 6)], thumbnails[1:], "each has its own")
+        self.assertEqual(self.thumbnail(0, tokens["Ada"])[0], 404)
         # Bob has sent it, too: it stays, and is his.
         self.assertEqual(self.remove(second, tokens["Ada"]), 204)
         self.wait_for(lambda: self.names(tokens["Ada"]) == ["2.jpg", "3.jpg", "4.jpg", "5.jpg", "again.jpg"])

@@ -4,10 +4,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 
+#include "graph/wording.h"
 #include "tools/report/run_state.h"
 
 namespace psfm {
@@ -80,11 +82,13 @@ void Progress::on_publish(const PublishMessage& publish) {
     quiet_lines_ = 0;
     write_log(publish);
     done_ += publish.images.size();
+    done_ += static_cast<std::size_t>(
+        std::ranges::count(publish.events, SessionEvent::Kind::kRejected, &SessionEvent::kind));
+    time_left_.on_photos(now(), done_);  // before models that begin to settle with the last ones
     if (!publish.images.empty()) settling_ = 0;  // a watched folder goes on after it has settled
     for (const SessionEvent& event : publish.events) {
         switch (event.kind) {
             case SessionEvent::Kind::kRejected:
-                ++done_;
                 say("rejected " + event.text);  // which names the photograph
                 break;
             case SessionEvent::Kind::kRemark:
@@ -114,7 +118,6 @@ void Progress::on_publish(const PublishMessage& publish) {
                 break;
         }
     }
-    time_left_.on_photos(now(), done_);
     show(publish.counts);
 }
 
@@ -173,9 +176,10 @@ std::string Progress::line() const {
     if (expected_ > 0) line.append("/").append(std::to_string(expected_));
     char text[160];
     std::snprintf(text, sizeof(text),
-                  " images, %u placed, %u waiting, %u clusters in %u parts, %.2f images/s",
-                  counts_.placed, counts_.waiting, counts_.clusters, counts_.effective_clusters,
-                  time_left_.rate(now()));
+                  " photographs, %u of %u images placed, %u waiting, %s in %s, %.2f images/s",
+                  counts_.placed, counts_.images, counts_.waiting,
+                  counted(counts_.clusters, "cluster").c_str(),
+                  counted(counts_.effective_clusters, "part").c_str(), time_left_.rate(now()));
     line += text;
     if (settling_ > 0) {
         line += ", " + std::to_string(settling_ - unsettled_.size()) + " of " +

@@ -154,7 +154,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (!models.ok()) return report_error(models.error());
     if (models->empty()) return report_error(no_model(arguments, scene->image_count));
     if (arguments.after_image.value_or(0) > images->size()) {
-        std::cerr << "psfm: the session has " << counted(images->size(), "image")
+        std::cerr << "psfm: the session has taken in " << counted(images->size(), "image")
                   << "; this is its latest model\n";
     }
     const bool any_points = std::ranges::any_of(

@@ -19,6 +19,7 @@ namespace psfm {
 namespace {
 
 struct Totals {
+    std::size_t images = 0;
     std::size_t features = 0;
     std::size_t pairs = 0;
     std::size_t matches = 0;
@@ -37,6 +38,7 @@ std::optional<Failure> write_images(const SessionReader& session, const Database
     }
     CountLine line(" images written", contents.images.size());
     for (const Image& image : contents.images) {
+        line.advance();
         if (contents.sources[index_of(image.id)].removed) continue;
         const auto keypoints = session.keypoints(image.id);
         if (!keypoints.ok()) return of_session(keypoints.error());
@@ -44,8 +46,8 @@ std::optional<Failure> write_images(const SessionReader& session, const Database
         if (!descriptors.ok()) return of_session(descriptors.error());
         auto done = writer.add_image(image, **keypoints, **descriptors);
         if (!done.ok()) return of_output(done.error());
+        ++totals.images;
         totals.features += (*keypoints)->size();
-        line.advance();
     }
     return std::nullopt;
 }
@@ -121,7 +123,7 @@ int export_database(const std::string& session, const std::filesystem::path& fol
     if (const auto failure = write_database(**reader, contents, file, totals)) {
         return report_error(failure->error, failure->origin);
     }
-    std::cout << file.string() << ": " << counted(contents.images.size(), "image") << " of "
+    std::cout << file.string() << ": " << counted(totals.images, "image") << " of "
               << counted(contents.cameras.size(), "camera") << ", "
               << counted(totals.features, "feature") << ", "
               << counted(totals.pairs, "verified pair") << ", " << totals.matches
