@@ -12,6 +12,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -48,6 +49,8 @@ struct OpenSession {
     std::unique_ptr<LocalisationMap> map;
     std::map<std::string, CameraId> camera_of_key;
     std::map<CameraId, Camera> cameras;  ///< as the model knows them
+    /// Of these the ones whose images no EXIF names, as an import's.
+    std::set<CameraId> unnamed;
 };
 
 Result<OpenSession> open_session(const LocaliseArguments& arguments) {
@@ -101,6 +104,8 @@ Result<OpenSession> open_session(const LocaliseArguments& arguments) {
         session.cameras.try_emplace(image.camera, place->second.camera);
         session.camera_of_key.try_emplace(
             camera_key(session.config.camera_sharing, image.metadata, image.name), image.camera);
+        if (image.metadata.make.empty() && image.metadata.model.empty())
+            session.unnamed.insert(image.camera);
     }
     return session;
 }
@@ -134,7 +139,20 @@ std::vector<AskedPhoto> photos_of(const std::vector<std::string>& arguments) {
     return photos;
 }
 
+/// The one camera of this size among those that no EXIF names.
+const Camera* only_unnamed_of(const OpenSession& session, const PhotoMetadata& metadata) {
+    const Camera* only = nullptr;
+    for (const CameraId id : session.unnamed) {
+        const Camera& camera = session.cameras.at(id);
+        if (camera.width != metadata.width || camera.height != metadata.height) continue;
+        if (only != nullptr) return nullptr;
+        only = &camera;
+    }
+    return only;
+}
+
 /// The camera that the session knows for a photograph like this one; else what its EXIF tells.
+/// @return and whether its focal length is a guess
 std::pair<Camera, bool> camera_for(const OpenSession& session, const PhotoMetadata& metadata,
                                    const std::string& name, double unknown_focal) {
     const auto known =
@@ -144,6 +162,7 @@ std::pair<Camera, bool> camera_for(const OpenSession& session, const PhotoMetada
         if (camera.width == metadata.width && camera.height == metadata.height)
             return {camera, false};
     }
+    if (const Camera* camera = only_unnamed_of(session, metadata)) return {*camera, true};
     const Camera camera = initial_camera(metadata, unknown_focal);
     return {camera, camera.focal_source == FocalSource::kUnknown};
 }

@@ -262,6 +262,15 @@ class Exchange(unittest.TestCase):
             # It sees its neighbours on the walk.
             self.assertIn(photo["images"][0]["name"], (self.names[number - 1], self.names[number + 1]))
 
+    def test_an_import_lends_its_camera_to_who_is_localised(self):
+        with_other_lens = self.database(("UPDATE cameras SET model = 2, prior_focal_length = 1, params = ?",
+                                         (struct.pack("<4d", 500, 240, 180, -0.02),)))
+        self.ends(0, "import", "--colmap-database", with_other_lens, "--session", self.session, "--fix-intrinsics")
+        self.assertEqual(self.status()["placed"], len(self.names[::2]))
+        found = self.localised(self.session, self.shared / "wall/images" / self.names[1])[0]
+        self.assertEqual(found["camera"]["model"], "SIMPLE_RADIAL")
+        self.assertAlmostEqual(found["camera"]["params"][3], -0.02)
+
     def test_a_folder_without_photographs_keeps_no_other_from_being_localised(self):
         empty = self.folder / "empty"
         empty.mkdir()
