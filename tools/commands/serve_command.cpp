@@ -31,6 +31,8 @@ struct ServeArguments {
     bool list_users = false;
 };
 
+constexpr std::uint64_t kMostMib = std::uint64_t{1} << 43U;  // Guard: its bytes can be counted
+
 /// Users come before the first photograph, so a new folder becomes a session for a new one.
 Result<std::unique_ptr<Users>> users_of(const ServeArguments& arguments) {
     const std::string& session = arguments.serve.session;
@@ -149,8 +151,10 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         ->check(CLI::Range(0, 1024));
     command->add_option("--log", request.log, "Append a log of JSON lines to this file");
     command->add_option("--quota", request.quota_mib, "What one user may send in all [MiB]")
+        ->check(CLI::Range(std::uint64_t{0}, kMostMib))
         ->capture_default_str();
     command->add_option("--keep-free", request.free_mib, "Of the disk, kept free [MiB]")
+        ->check(CLI::Range(std::uint64_t{0}, kMostMib))
         ->capture_default_str();
     auto* add = command->add_option("--add-user", arguments->add_user,
                                     "Make a user, print his link and its QR code, and end");

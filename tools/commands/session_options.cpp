@@ -11,6 +11,7 @@
 
 #include "scheduler/session/option_table.h"
 #include "stages/retrieval/vocabulary_file.h"
+#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/photo_order.h"
@@ -116,6 +117,7 @@ void add_session_options(CLI::App& command, SessionArguments& arguments) {
     command
         .add_option("--shuffle", arguments.shuffle,
                     "Random order: names sorted, then shuffled with this seed")
+        ->check(whole_number_problem)
         ->excludes(order);
     command.add_flag("--batch", arguments.batch, "Solve only after the last image has arrived");
     command.add_flag("--deterministic", arguments.deterministic,
@@ -135,7 +137,8 @@ void add_session_options(CLI::App& command, SessionArguments& arguments) {
                     "What is kept of every version: none, poses, full (points, too)")
         ->check(CLI::IsMember({"none", "poses", "full"}));
     command.add_option("--log", arguments.log, "Append a log of JSON lines to this file");
-    command.add_option("--seed", arguments.seed, "Seed of everything random");
+    command.add_option("--seed", arguments.seed, "Seed of everything random")
+        ->check(whole_number_problem);
     command
         .add_option(
             "--set", arguments.settings,

@@ -12,6 +12,7 @@
 #include "tests/synthetic/look_alikes/look_alike_scene.h"
 #include "tests/synthetic/look_alikes/write_simulation.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 
 namespace psfm {
@@ -98,6 +99,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
                      "images [341 for temple, 600 for courtyard, 10000 for streets]")
         ->type_name("N");
     command->add_option("--seed", arguments->seed, "another seed, another scene")
+        ->check(whole_number_problem)
         ->type_name("N")
         ->capture_default_str();
     CLI::Option* symmetry =

@@ -194,6 +194,18 @@ class GoOn(unittest.TestCase):
     def test_a_command_that_does_not_exist_is_named(self):
         self.assertIn("'reconstruct'", self.ends(USAGE, "reconstruct", "--session", self.session))
 
+    def test_numbers_below_zero_are_no_numbers_of_things(self):
+        for words in (("run", self.folder, "--session", self.session, "--seed", -1),
+                      ("run", self.folder, "--session", self.session, "--shuffle", -1),
+                      ("run", self.folder, "--session", self.session, "--shuffle", 2**64),
+                      ("import", *self.database(), "--seed", -1),
+                      ("export", "--session", self.session, "--format", "dataset", "--output", self.folder, "--part", -1),
+                      ("simulate", "--output", self.folder, "--seed", -1),
+                      ("simulate", "--output", self.folder, "--images", -1)):
+            said = self.ends(USAGE, *words)
+            self.assertIn(f"{words[-2]}", said)
+        self.assertFalse(self.session.exists())
+
 
 if __name__ == "__main__":
     BUILD = Path(sys.argv.pop(1)).resolve()

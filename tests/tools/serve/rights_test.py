@@ -146,6 +146,10 @@ class Rights(ServeCase):
             self.assertIn("64 bytes", err)
         for name in ("", "Ada"):
             self.assertEqual(serve("--remove-user", name)[0], 3)
+        for words in (("--quota", -5), ("--quota", 2**64), ("--keep-free", -1), ("--keep-free", 2**44)):
+            code, _, err = serve(*words)
+            self.assertEqual(code, 2, words)
+            self.assertIn(words[0], err)
         other = self.session / "other"
         for words in (("--remove-user", "Ada"), ("--list-users",)):
             code, _, err = psfm("serve", "--session", other, *words)

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 the psfm authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/commands/console/option_checks.h"
+
+#include <cerrno>
+#include <cstdlib>
+
+namespace psfm {
+std::string whole_number_problem(const std::string& text) {
+    errno = 0;
+    char* end = nullptr;
+    std::strtoull(text.c_str(), &end, 0);  // as CLI11 reads it
+    const bool is_number = !text.empty() && end == text.c_str() + text.size() && errno == 0;
+    if (is_number && text.find('-') == std::string::npos) return {};
+    return "wants a whole number from 0 to 18446744073709551615, not " + text;
+}
+
+}  // namespace psfm
