@@ -206,6 +206,17 @@ class GoOn(unittest.TestCase):
             self.assertIn(f"{words[-2]}", said)
         self.assertFalse(self.session.exists())
 
+    def test_empty_values_are_refused(self):
+        view = "view", "--session", self.session
+        self.ends(USAGE, *view, "--output=")
+        for words in ((*view, "--output", ""), ("run", "", "--session", self.session),
+                      ("run", self.folder, "--session", ""), ("run", self.folder, "--session", self.session, "--masks", ""),
+                      ("import", *self.database(), "--images", ""), ("remove", "--session", self.session, "a.jpg", ""),
+                      ("localise", "--session", self.session, ""), ("vocabulary", "train", ""), ("doctor", "--folder", ""),
+                      ("evaluate", "--reference", "", "--session", self.session)):
+            self.assertIn("empty", self.ends(USAGE, *words))
+        self.assertFalse(self.session.exists())
+
 
 if __name__ == "__main__":
     BUILD = Path(sys.argv.pop(1)).resolve()

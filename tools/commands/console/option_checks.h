@@ -4,11 +4,19 @@
 
 #include <string>
 
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's
+class App;
+}
+
 namespace psfm {
 
 /// For CLI::Option::check of an option whose type has 64 bits and no sign: CLI11 takes -1 for the
 /// largest number of these, and what is larger still, too.
 /// @return what is wrong, empty if nothing
 std::string whole_number_problem(const std::string& text);
+
+/// Every option and positional that the command has so far refuses an empty value, as it comes of a
+/// shell's variable that is not set. The last call about a command, before its callback.
+void refuse_empty_values(CLI::App& command);
 
 }  // namespace psfm
