@@ -73,6 +73,18 @@ int report_nothing_placed(const SessionRun& run) {
                         ErrorOrigin::kOtherInput);
 }
 
+/// Tells of the versions that go, since none is kept from now on.
+Result<void> tell_of_dropped_versions(const SessionReader& store, const SessionConfig& config) {
+    if (config.history != History::kNone) return {};
+    const auto versions = store.versions();
+    if (!versions.ok()) return versions.error();
+    if (versions->size() < 2) return {};
+    std::cerr << "psfm: --history none: " << counted(versions->size() - 1, "earlier version")
+              << " of the session " << (versions->size() == 2 ? "goes" : "go")
+              << ", and `export --after-image` has the latest only\n";
+    return {};
+}
+
 }  // namespace
 
 Result<FoundPhotos> photos_by_name(const RunRequest& request) {
@@ -160,6 +172,8 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
         if (const auto stored = store.put_settings(*request.settings); !stored.ok())
             return report_error(stored.error());
     }
+    if (const auto told = tell_of_dropped_versions(store, request.config); !told.ok())
+        return report_error(told.error());
     const ThreadBudget budget(request.execution.threads);
     const std::atomic<bool>& stop_requested = catch_interrupts();
     Result<SessionRun> run = SessionRun{};

@@ -143,6 +143,12 @@ class GoOn(unittest.TestCase):
                              self.folder / f"model{image}")
             self.assertNotIn("only poses", said)
 
+    def test_versions_that_go_are_told(self):
+        self.ends(0, "import", *self.database(), "--history", "full", "--deterministic")
+        self.assertNotIn("--history none", self.ends(0, "import", *self.database()))
+        self.assertRegex(self.ends(0, "import", *self.database(), "--history", "none"), r"--history none: \d+ earlier versions")
+        self.assertNotIn("--history none", self.ends(0, "import", *self.database()))  # none is left to go
+
     def test_files_that_the_session_has_may_be_gone(self):
         photos = self.wall()
         order = self.folder / "order.txt"
