@@ -217,6 +217,8 @@ class Exchange(unittest.TestCase):
         self.assertIn("no such folder", said)
         said = self.ends(BAD_INPUT, "import", "--session", self.shared / "session", *model)
         self.assertIn("did not begin with a COLMAP model", said)
+        said = self.ends(BAD_INPUT, "import", "--session", beside, *model)
+        self.assertIn("is not a psfm session; choose an empty or new folder", said)
 
     def test_photographs_of_others_are_told(self):
         others = self.folder / "others"

@@ -13,6 +13,7 @@
 #include "graph/wording.h"
 #include "scheduler/front_end/begin_from_model.h"
 #include "stages/features/photographs/photo_listing.h"
+#include "storage/database/session_folder.h"
 #include "storage/exchange/models/read_colmap.h"
 #include "tools/commands/console/count_line.h"
 #include "tools/commands/console/exit_codes.h"
@@ -188,6 +189,8 @@ std::optional<Failure> begin(const SessionArguments& session, const SessionPlace
 
 /// A session that is there goes on as it began: with a model that it was made from.
 Result<void> check_session(const std::string& session, const ModelImportArguments& arguments) {
+    // A folder of other things is told of as `run` does.
+    if (const auto state = inspect_session_folder(session); !state.ok()) return state.error();
     const auto reader = open_session_reader(session, StoreOptions{});
     if (!reader.ok()) return reader.error();
     const auto settings = (*reader)->settings();
