@@ -191,18 +191,18 @@ HttpResponse UploadStore::complete(const Offer& offer, const fs::path& part) {
         give_up(offer, part);
         return problem(422, "the bytes that came have another SHA-256; send them again");
     }
-    if (!content->format) {
+    if (!content->extension) {
         give_up(offer, part);
         return problem(415,
-                       "this is no photograph: JPEG, PNG, TIFF, WebP, BMP, HEIC, JPEG 2000 "
-                       "and PNM are read");
+                       "this is no photograph: JPEG, PNG, TIFF, WebP, BMP, HEIC, AVIF, "
+                       "JPEG 2000 and PNM are read");
     }
     Upload upload;
     upload.sha256 = offer.sha256;
     upload.user = offer.user;
     upload.title = offer.title;
-    upload.file = std::to_string(offer.user) + '/' + offer.sha256 + '.' +
-                  std::string(extension_of(*content->format));
+    upload.file =
+        std::to_string(offer.user) + '/' + offer.sha256 + '.' + std::string(*content->extension);
     upload.time = std::time(nullptr);
     const fs::path file = folder_ / upload.file;
     std::error_code error;

@@ -66,6 +66,11 @@ std::optional<PhotoFormat> identify_format(std::span<const std::uint8_t> bytes) 
     return std::nullopt;
 }
 
+bool is_avif(std::span<const std::uint8_t> bytes) {
+    const ByteView view(bytes);
+    return view.matches(4, "ftypavif"sv) || view.matches(4, "ftypavis"sv);
+}
+
 PhotoContainer parse_container(PhotoFormat format, std::span<const std::uint8_t> bytes) {
     switch (format) {
         case PhotoFormat::kJpeg:

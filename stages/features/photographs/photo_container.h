@@ -31,6 +31,9 @@ struct PhotoContainer {
 /// Format by the first bytes (the extension plays no part); nothing for anything else.
 std::optional<PhotoFormat> identify_format(std::span<const std::uint8_t> bytes);
 
+/// Of a HEIF file: whether its pictures are coded as AV1, by its main brand.
+bool is_avif(std::span<const std::uint8_t> bytes);
+
 /// Walks the file's segments, chunks or boxes; reads nothing outside `bytes`, whatever they hold.
 /// HEIF is left to libheif: only its format is known here.
 /// @return views into `bytes`

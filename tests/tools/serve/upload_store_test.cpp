@@ -70,6 +70,15 @@ TEST_F(UploadStoreTest, IsAcknowledgedOnceItIsWhole) {
     EXPECT_FALSE(store_->take().has_value());
 }
 
+TEST_F(UploadStoreTest, TheEndingIsOfTheContent) {
+    for (const auto& [brand, ending] : {std::pair("avif", ".avif"), std::pair("avis", ".avif"),
+                                        std::pair("heic", ".heic"), std::pair("mif1", ".heic")}) {
+        const std::string photo = std::string("\0\0\0\x10", 4) + "ftyp" + brand + "1234";
+        ASSERT_EQ(send(offer(photo), photo), 201U) << brand;
+        EXPECT_EQ(store_->take()->name, "1/" + sha256_hex(photo) + ending);
+    }
+}
+
 TEST_F(UploadStoreTest, WhatTheSessionLacksWaitsAgain) {
     ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
     reopen();

@@ -7,12 +7,39 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <span>
 
+#include "stages/features/photographs/photo_container.h"
 #include "tools/serve/sha256.h"
 
 namespace psfm {
+namespace {
 
 namespace fs = std::filesystem;
+
+std::string_view extension_of(PhotoFormat format, std::span<const std::uint8_t> bytes) {
+    switch (format) {
+        case PhotoFormat::kJpeg:
+            return "jpg";
+        case PhotoFormat::kPng:
+            return "png";
+        case PhotoFormat::kTiff:
+            return "tif";
+        case PhotoFormat::kWebp:
+            return "webp";
+        case PhotoFormat::kBmp:
+            return "bmp";
+        case PhotoFormat::kHeif:
+            return is_avif(bytes) ? "avif" : "heic";
+        case PhotoFormat::kJpeg2000:
+            return "jp2";
+        case PhotoFormat::kPnm:
+            return "ppm";
+    }
+    return "jpg";
+}
+
+}  // namespace
 
 bool sync_folder(const fs::path& folder) {
     const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -42,28 +69,6 @@ bool append_line(const fs::path& file, const std::string& line, bool durably) {
     return done;
 }
 
-std::string_view extension_of(PhotoFormat format) {
-    switch (format) {
-        case PhotoFormat::kJpeg:
-            return "jpg";
-        case PhotoFormat::kPng:
-            return "png";
-        case PhotoFormat::kTiff:
-            return "tif";
-        case PhotoFormat::kWebp:
-            return "webp";
-        case PhotoFormat::kBmp:
-            return "bmp";
-        case PhotoFormat::kHeif:
-            return "heic";
-        case PhotoFormat::kJpeg2000:
-            return "jp2";
-        case PhotoFormat::kPnm:
-            return "ppm";
-    }
-    return "jpg";
-}
-
 std::optional<PhotoContent> read_content(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) return std::nullopt;
@@ -74,8 +79,10 @@ std::optional<PhotoContent> read_content(const fs::path& file) {
            stream.gcount() > 0) {
         const std::string_view bytes(chunk.data(), static_cast<std::size_t>(stream.gcount()));
         if (content.bytes == 0) {
-            content.format = identify_format(
-                {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+            const std::span beginning(reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                                      bytes.size());
+            if (const auto format = identify_format(beginning))
+                content.extension = extension_of(*format, beginning);
         }
         hash.add(bytes);
         content.bytes += bytes.size();

@@ -8,8 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "stages/features/photographs/photo_container.h"
-
 namespace psfm {
 
 // The disk, as uploads want it.
@@ -24,11 +22,9 @@ std::filesystem::path thumbnail_file(const std::filesystem::path& session, const
 /// @param durably  and on the disk, too
 bool append_line(const std::filesystem::path& file, const std::string& line, bool durably);
 
-std::string_view extension_of(PhotoFormat format);
-
 struct PhotoContent {
     std::string sha256;
-    std::optional<PhotoFormat> format;  ///< nothing: it is no photograph
+    std::optional<std::string_view> extension;  ///< nothing: it is no photograph
     std::uint64_t bytes = 0;
 };
 /// Nothing when the file cannot be opened.
