@@ -21,7 +21,7 @@ struct ApiParts {
     const SessionReader* reader = nullptr;
     LiveSession* live = nullptr;
     UploadStore* uploads = nullptr;  ///< null: nobody may send
-    Users* users = nullptr;          ///< null: whoever comes is the owner (read-only, loopback)
+    Users* users = nullptr;          ///< null: whoever comes may look (read-only, loopback)
     std::filesystem::path session;
     /// What a request's Host may be, in small letters: "NAME:PORT", or "NAME" for every port.
     std::set<std::string> hosts;
@@ -42,7 +42,7 @@ class Api final : public HttpApplication {
     std::optional<User> caller_of(const HttpRequest& head) const;
     /// The answer to a caller who is nobody; counts what he has tried.
     HttpResponse refuse_caller(const HttpRequest& head, const std::string& why);
-    /// Whoever comes is the owner.
+    /// Whoever comes is the owner, or may look where nobody may send.
     bool is_open() const;
     /// Asked while a request lasts: whether its caller may still do what it does.
     std::function<bool()> still_holds(const User& user) const;

@@ -281,6 +281,7 @@ class Api(ServeCase):
             self.skipTest("psfm was built without pages")
         server = self.serve(command="view")
         self.assertEqual(server.json("/session")["counts"]["placed"], 6)
+        self.assertEqual(server.json("/session")["me"]["role"], "look")
         self.assertEqual(server.put(self.photos[0])[0], 404)
 
     def test_the_page_doubts_the_models_that_status_doubts(self):

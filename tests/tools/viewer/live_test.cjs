@@ -229,6 +229,15 @@ run(async (chrome) => {
     await beside.goto(`${viewing.url}/capture`);
     await notice(beside, "this server takes no photographs");
     check(true, "a server that only shows says so on the page for phones");
+    const shown = await (await chrome.newContext()).newPage();
+    // A photograph that was taken back has no thumbnail.
+    const isOdd = (message) => message.type() === "error" && !message.location().url.endsWith("/thumbnail");
+    shown.on("console", (message) => { if (isOdd(message)) problems.push(`${message.text()} ${message.location().url}`); });
+    await shown.goto(viewing.url);
+    await shown.waitForFunction(() => document.documentElement.dataset.state === "ready", null, { polling: 100, timeout: 60000 });
+    await shown.waitForTimeout(500);
+    check(await shown.getByRole("link", { name: "Send photographs" }).count() === 0, "and its viewer does not lead there");
+    await shown.close();
     await viewing.end();
     check(problems.length === 0, `no errors ${problems.join("; ")}`);
   } finally {

@@ -131,10 +131,6 @@ export class ServerSource implements Source {
   private async json<T>(path: string): Promise<T> { return await (await this.get(path)).json() as T; }
   session(): Promise<Session> { return this.json("/session"); }
   async scene(): Promise<Uint8Array> { return new Uint8Array(await (await this.get("/scene")).arrayBuffer()); }
-  /** Whether this server takes photographs from who asks. */
-  async takesPhotographs(): Promise<boolean> {
-    return (await fetch(`${this.base}/photographs`, { method: "HEAD", credentials: "same-origin" }).catch(() => null))?.ok ?? false;
-  }
   /** What has changed since change `after`; null: too long ago, the scene has to be fetched anew. */
   async changes(after: number): Promise<Uint8Array[] | null> {
     try {

@@ -59,8 +59,8 @@ export class Viewer {
     if (!(this.source instanceof ServerSource)) return;
     this.live = new Live(this, this.source);
     this.live.start();
-    const mayAsk = session.me?.role !== "look";
-    if (mayAsk && await this.source.takesPhotographs()) side.querySelector("h1")!.after(el("a", { class: "send", href: "/capture" }, "Send photographs"));
+    const maySend = session.me !== undefined && session.me.role !== "look";
+    if (maySend) side.querySelector("h1")!.after(el("a", { class: "send", href: "/capture" }, "Send photographs"));
   }
   /** By its number, which is mostly where it stands in the list. */
   factOf(image: number): ImageFact | undefined {
