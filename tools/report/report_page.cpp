@@ -238,6 +238,7 @@ std::string history(const ReportFacts& facts) {
                                "join and split as photographs come, and a model that contradicts "
                                "its photographs is reset.") +
                        history_plot(facts);
+    if (facts.session.summary.events.empty()) return html + "<p>No event so far.</p>\n";
     HtmlTable table({"at image", "event", ""});
     for (const PastEvent& event : facts.session.summary.events)
         table.row({std::to_string(event.image), event.kind, event.text});

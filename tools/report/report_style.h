@@ -13,7 +13,7 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 .explains{color:#4a5560;max-width:46rem}
 .weak{color:#7a1f0c;max-width:46rem}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;margin:.5rem 0}
-th,td{text-align:left;padding:.15rem .7rem .15rem 0;border-bottom:1px solid #e7eaee;vertical-align:top;overflow-wrap:anywhere}
+th,td{text-align:left;padding:.15rem .7rem .15rem 0;border-bottom:1px solid #e7eaee;vertical-align:top;overflow-wrap:break-word}
 th{font-weight:600}
 svg{display:block;width:100%;max-width:640px;height:auto;margin:.5rem 0}
 svg text{font:11px system-ui,sans-serif;fill:#3c4650}
@@ -26,6 +26,7 @@ svg text{font:11px system-ui,sans-serif;fill:#3c4650}
 .edge.l0{stroke:#dbe5ed}.edge.l1{stroke:#bcd0e0}.edge.l2{stroke:#8fb1cb}.edge.l3{stroke:#5587ac}.edge.l4{stroke:#1d4f77}
 .edge.against{stroke:#c2331e}
 .camera{fill:#b5482a}.arrow{stroke:#7a1f0c;fill:#7a1f0c}.empty{fill:#fff;stroke:#eceff2}.frame{fill:none;stroke:#c6ccd3}
+@media screen and (max-width:48rem){th,td{overflow-wrap:anywhere}}
 @media print{main{max-width:none;padding:0}h2{break-after:avoid}svg,tr{break-inside:avoid}body{font-size:11px}}
 )";
 

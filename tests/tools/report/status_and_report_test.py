@@ -129,6 +129,15 @@ class StatusAndReport(unittest.TestCase):
         self.assertNotIn("script", page.elements)
         self.assertGreater(page.elements.count("svg"), 5)
 
+    def test_a_report_has_no_table_without_rows(self):
+        scene, session, page = (self.folder / name for name in ("quiet_scene", "quiet", "quiet.html"))
+        self.run_psfm("simulate", "--scene", "courtyard", "--images", 8, "--output", scene)
+        self.run_psfm("import", "--colmap-database", scene / "database.db", "--session", session, "--deterministic")
+        self.assertEqual(json.loads(self.run_psfm("status", "--session", session, "--json"))["events"], [])
+        self.run_psfm("report", "--session", session, "--output", page)
+        self.assertNotIn("</thead>\n</table>", page.read_text())
+        self.assertIn("No event so far.", page.read_text())
+
     def test_report_tells_what_status_tells(self):
         page, figures = self.report("--log", self.log)
         for name in ("images", "placed", "waiting", "rejected", "version", "resets"):
