@@ -3,6 +3,7 @@
 #include "storage/exchange/models/dataset_names.h"
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -38,16 +39,22 @@ std::string without_capitals(std::string name) {
 
 }  // namespace
 
-std::vector<std::string> dataset_names(std::span<const std::string> photo_names) {
+std::vector<std::string> dataset_names(std::span<const std::string> photo_names,
+                                       const std::vector<bool>& removed) {
     std::vector<std::string> names;
     names.reserve(photo_names.size());
     std::set<std::string> taken;
-    for (const std::string& photo_name : photo_names) {
-        const std::string first = flattened(photo_name);
+    std::map<std::string, std::string> left;  // by photographs that were taken out
+    for (std::size_t i = 0; i < photo_names.size(); ++i) {
+        const std::string first = flattened(photo_names[i]);
         std::string name = first;
-        for (std::size_t k = 2; !taken.insert(without_capitals(name)).second; ++k) {
-            name = first + "_" + std::to_string(k);
+        if (const auto before = left.extract(photo_names[i])) {
+            name = before.mapped();
+        } else {
+            for (std::size_t k = 2; !taken.insert(without_capitals(name)).second; ++k)
+                name = first + "_" + std::to_string(k);
         }
+        if (removed[i]) left.insert_or_assign(photo_names[i], name);
         names.push_back(std::move(name));
     }
     return names;

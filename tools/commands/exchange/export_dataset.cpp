@@ -34,6 +34,7 @@ struct DatasetContents {
     std::filesystem::path session;
     Scene scene;
     std::vector<Image> images;  ///< content hash 0: came without its photograph
+    std::vector<bool> removed;  ///< beside each
     std::vector<std::filesystem::path> photo_folders;
     std::filesystem::path mask_folder;  ///< of `psfm run --masks`; empty: none
     std::vector<ExportedModel> models;
@@ -49,6 +50,10 @@ Result<DatasetContents> read_session(const SessionReader& session, const std::st
     auto images = session.images();
     if (!images.ok()) return images.error();
     contents.images = *std::move(images);
+    const auto sources = session.image_sources();
+    if (!sources.ok()) return sources.error();
+    for (const Image& image : contents.images)
+        contents.removed.push_back((*sources)[index_of(image.id)].removed);
     const auto settings = session.settings();
     if (!settings.ok()) return settings.error();
     auto folders = photo_folders(session, place);
@@ -129,7 +134,7 @@ class DatasetExport {
         std::vector<std::string> names;
         names.reserve(contents.images.size());
         for (const Image& image : contents.images) names.push_back(image.name);
-        names_ = dataset_names(names);
+        names_ = dataset_names(names, contents.removed);
         if (options_.picture.mask_folder.empty())
             options_.picture.mask_folder = contents.mask_folder;
         photos_ = contents.photo_folders;
