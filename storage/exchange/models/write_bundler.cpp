@@ -46,11 +46,12 @@ void write_bundler_point(const ExportedModel& model, const ExportedPoint& point,
 Result<void> stage_bundler(const ExportedModel& model, const std::filesystem::path& place,
                            StagedFiles& files) {
     for (const ExportedImage& image : model.images) {
-        if (image.name.find_first_of("\r\n") != std::string::npos) {
+        // Its readers take what follows a space for a focal length.
+        if (image.name.find_first_of(" \t\r\n") != std::string::npos) {
             return Error{ErrorCode::kInvalidArgument,
-                         image.name +
-                             " has a line break in its name, which Bundler's list cannot hold: "
-                             "export with --format colmap"};
+                         "\"" + image.name +
+                             "\" has a space in its name, which Bundler's list cannot hold: export "
+                             "with --format colmap"};
         }
     }
     auto written = files.write(place / "bundle.out", [&](OutputFile& file) {

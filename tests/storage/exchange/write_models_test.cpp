@@ -128,6 +128,20 @@ TEST(WriteModels, AFailureLeavesTheEarlierExportAsItWas) {
     test::expect_equal(*read_colmap_model(folder.path() / "0"), earlier[0]);
 }
 
+TEST(WriteModels, NamesWithSpacesAreRefusedWhereReadersSplitThem) {
+    const test::TemporaryFolder folder;
+    auto models = example_models(1);
+    models[0].images[0].name = "with space.jpg";
+    for (const auto format : {ExportFormat::kColmapText, ExportFormat::kBundler}) {
+        const auto written = write_models(models, format, folder.path());
+        ASSERT_FALSE(written.ok());
+        EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(written.error().message.find("\"with space.jpg\" has a space"),
+                  std::string::npos);
+    }
+    EXPECT_TRUE(write_models(models, ExportFormat::kColmap, folder.path()).ok());
+}
+
 TEST(WriteModels, OutputThatCannotBeAFolder) {
     const test::TemporaryFolder folder;
     test::put_file(folder.path() / "file", "x");

@@ -93,7 +93,7 @@ TEST_F(ExportAgain, PhotographsAreNotRemovedThroughALink) {
 }
 
 TEST_F(ExportAgain, AnotherFormatReplacesTheEarlierOneWhole) {
-    const std::vector<std::string> formats{"colmap", "nerfstudio", "dataset", "ply", "bundler"};
+    const std::vector<std::string> formats{"colmap", "nerfstudio", "dataset", "ply", "nvm"};
     for (const std::string& format : formats) {
         export_to(place("alone") / format, format);
         ASSERT_EQ(exit_code_, 0) << format;
