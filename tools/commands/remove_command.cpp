@@ -147,6 +147,7 @@ int remove(const RemoveArguments& arguments) {
     request.execution = execution_of(arguments.threads, store_options);
     request.log_file = arguments.log;
     request.go_on_command = command_line("resume", request.session);
+    request.may_place_none = true;
     if (const auto code = take_out(arguments, store_options, request)) return *code;
     // Opened anew: what was read of the removed images is not in its cache.
     auto store = SessionStore::open_existing(arguments.session, store_options);

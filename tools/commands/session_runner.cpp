@@ -206,7 +206,9 @@ int run_and_report(SessionStore& store, const RunRequest& request) {
                             ErrorOrigin::kOtherInput);
     }
     const bool is_done = request.watch || request.salvage != nullptr || run->counts.placed > 0;
-    return is_done ? 0 : report_nothing_placed(*run);
+    if (is_done) return 0;
+    const int nothing_placed = report_nothing_placed(*run);
+    return request.may_place_none ? 0 : nothing_placed;
 }
 
 }  // namespace psfm

@@ -29,6 +29,7 @@ struct RunRequest {
     std::optional<SessionSettings> settings;  ///< stored before anything else
     Salvage* salvage = nullptr;               ///< what is taken over from a damaged session
     std::string go_on_command;                ///< what goes on after a Ctrl-C
+    bool may_place_none = false;  ///< the command is done all the same; it is told still
 };
 
 /// How this process works on a session whose store it opens so: keypoints of clusters that rest

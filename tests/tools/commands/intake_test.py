@@ -202,6 +202,9 @@ class Intake(Sessions):
         self.assertEqual((status["images"], status["placed"], status["rejected"]), (7, 7, 0))
         self.assertIn("renamed.jpg", self.names())
         self.ends(0, "check", "--session", self.session)
+        said = self.ends(0, *remove, *[name for name in self.names() if name not in names[:2]])
+        self.assertIn("0 of 2 images placed", said)
+        self.assertIn("psfm: ", said.splitlines()[-1], "why nothing is placed")
 
     def test_an_edited_photograph_comes_in_after_its_former_self_was_removed(self):
         photos, names = self.wall()
