@@ -32,7 +32,7 @@ SessionEvent describe_change(const ClusterChange& change) {
         event.clusters.push_back(index_of(other));
         others += (others.empty() ? "" : ", ") + std::to_string(index_of(other));
     }
-    const std::string images = std::to_string(change.images) + " images";
+    const std::string images = counted(change.images, "image");
     const std::string cluster = std::to_string(index_of(change.cluster));
     switch (change.kind) {
         case ClusterChange::Kind::kJoin:
@@ -83,10 +83,10 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
                       " by " + std::to_string(std::lround(contradiction.angle_deg)) +
                       " degrees otherwise than the averaged rotations, and so for " +
                       std::to_string(contradiction.beyond) + " of " +
-                      std::to_string(contradiction.edges) + " edges";
+                      counted(contradiction.edges, "edge");
     }
     event.text += "; the new model has " + std::to_string(solution.model->images.size()) + " of " +
-                  std::to_string(problem.images.size()) + " images";
+                  counted(problem.images.size(), "image");
     event.detail_json = nlohmann::json{{"reason", stuck     ? "stuck"
                                                   : missing ? "missing"
                                                             : "contradiction"},
@@ -120,7 +120,7 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
         if (sizes.size() < kShown) {
             event.images.push_back(name);
             event.text += std::string(sizes.empty() ? " that of " : ", ") + name + " (" +
-                          std::to_string(place.size()) + " images)";
+                          counted(place.size(), "image") + ")";
         }
         sizes.push_back(place.size());
     }
@@ -196,7 +196,7 @@ SessionEvent describe_settling(std::span<const SettlingModel> models) {
         event.cluster_images.push_back(static_cast<std::uint32_t>(model.images));
         largest = std::max(largest, model.images);
     }
-    const std::string images = std::to_string(largest) + " images";
+    const std::string images = counted(largest, "image");
     event.text = models.size() == 1 ? "settling the model of " + images
                                     : "settling " + std::to_string(models.size()) +
                                           " models, the largest of " + images;
@@ -215,8 +215,8 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
     } else {
         event.text = std::string(name_of(statistics.kind)) + ": " +
                      std::to_string(solution.model->images.size()) + " of " +
-                     std::to_string(problem.images.size()) + " images, " +
-                     std::to_string(solution.model->points.size()) + " points" +
+                     counted(problem.images.size(), "image") + ", " +
+                     counted(solution.model->points.size(), "point") +
                      (statistics.closed_loops > 0 ? ", loops closed" : "") +
                      (published ? "" : "; the cluster has changed meanwhile");
     }

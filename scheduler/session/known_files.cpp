@@ -242,9 +242,10 @@ class Comparison {
             known.told.push_back(
                 photographs(own_names_.size(), "has the name of another one",
                             "have the names of others") +
-                " in the session, and are taken in as " + some_of(own_names_) +
-                "; programs that look for them by these names want the folder that holds " +
-                folder_.filename().string());
+                " in the session, and " + (own_names_.size() == 1 ? "is" : "are") +
+                " taken in as " + some_of(own_names_) + "; programs that look for " +
+                (own_names_.size() == 1 ? "it by that name" : "them by these names") +
+                " want the folder that holds " + folder_.filename().string());
         }
         if (!changed_.empty()) {
             known.told.push_back(

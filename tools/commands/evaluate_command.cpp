@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "graph/wording.h"
 #include "stages/evaluation/evaluate_model.h"
 #include "stages/evaluation/pose_auc.h"
 #include "storage/exchange/models/export_models.h"
@@ -111,9 +112,9 @@ Result<std::vector<EvaluatedVersion>> evaluate_versions(const NamedModel& refere
 
 /// A missing model in words a person can act upon.
 Error no_model_yet(const std::string& session, std::size_t images) {
-    return {ErrorCode::kNotFound, session +
-                                      ": the session has no model yet: " + std::to_string(images) +
-                                      " images waiting; `psfm status` says why"};
+    return {ErrorCode::kNotFound,
+            session + ": the session has no model yet: " + counted(images, "image") +
+                " waiting; `psfm status` says why"};
 }
 
 int run_evaluate(const EvaluateArguments& arguments) {

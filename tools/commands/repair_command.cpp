@@ -147,10 +147,11 @@ Result<void> keep_out(const SessionReader& damaged, const IntactImages& intact,
 /// @errors those of the store
 Result<std::size_t> tell_outcome(const Salvage& salvage, const IntactImages& intact,
                                  const SessionReader& repaired) {
-    std::cout << "taken over: " << salvage.images_taken_over << " images, "
-              << salvage.pair_lists_taken_over
-              << " lists of pairs; recomputed: " << salvage.images_extracted << " images, "
-              << salvage.pair_lists_verified << " lists of pairs, all clusters and models\n";
+    std::cout << "taken over: " << counted(salvage.images_taken_over, "image") << ", "
+              << counted(salvage.pair_lists_taken_over, "list")
+              << " of pairs; recomputed: " << counted(salvage.images_extracted, "image") << ", "
+              << counted(salvage.pair_lists_verified, "list")
+              << " of pairs, all clusters and models\n";
     const auto images = repaired.images();
     if (!images.ok()) return images.error();
     std::set<std::string> there;
@@ -231,8 +232,9 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     std::cout << "the session is whole again; what was damaged lies in " << folders.damaged.string()
               << " and can be deleted\n";
     if (lost == 0) return 0;
-    std::cerr << "psfm: " << counted(lost, "image")
-              << " could not be recomputed; once the files are back, 'psfm run' adds them\n";
+    std::cerr << "psfm: " << counted(lost, "image") << " could not be recomputed; put "
+              << (lost == 1 ? "its file" : "their files") << " back and 'psfm run' adds "
+              << (lost == 1 ? "it" : "them") << '\n';
     return 1;
 }
 

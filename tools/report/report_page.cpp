@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "graph/wording.h"
 #include "tools/report/html_table.h"
 #include "tools/report/report_plots.h"
 #include "tools/report/report_style.h"
@@ -105,10 +106,8 @@ std::string parts(const ReportFacts& facts) {
     for (std::size_t i = 0; i < std::min(facts.parts.size(), kMostParts); ++i) {
         const PartFacts& part = facts.parts[i];
         html += "<h3>Part " + std::to_string(part.number) + ": " +
-                std::to_string(part.cameras.size()) + " photographs, " +
-                std::to_string(part.points) + " points, " + std::to_string(part.clusters) +
-                (part.clusters == 1 ? " cluster" : " clusters") + "</h3>\n" +
-                coverage_plot(part, facts);
+                counted(part.cameras.size(), "photograph") + ", " + counted(part.points, "point") +
+                ", " + counted(part.clusters, "cluster") + "</h3>\n" + coverage_plot(part, facts);
     }
     if (facts.parts.size() > kMostParts) {
         html +=
@@ -163,8 +162,8 @@ std::string positions(const ReportFacts& facts, const ReportOptions& options) {
     for (const AxisError& error : facts.position_errors)
         table.row(
             {error.axis, number(error.mean, 2), number(error.sigma, 2), number(error.rms, 2)});
-    html += table.finish() + "<p>" + std::to_string(facts.positions) +
-            " positions; nine of ten are within " + number(facts.circular_90_m, 2) +
+    html += table.finish() + "<p>" + counted(facts.positions, "position") +
+            "; nine of ten are within " + number(facts.circular_90_m, 2) +
             " m on the ground.</p>\n";
     if (options.share_location && facts.reference) {
         html += "<p>The frame's origin: " + number(facts.reference->datum.latitude_deg, 6) + ", " +
@@ -227,7 +226,7 @@ std::string cameras(const ReportFacts& facts) {
         html += "<p>… and " + std::to_string(shown.size() - kMostRows) + " more.</p>\n";
     for (std::size_t i = 0; i < std::min(shown.size(), kMostMaps); ++i) {
         html += "<h3>Camera " + std::to_string(index_of(shown[i]->id)) + ": " +
-                std::to_string(shown[i]->images) + " photographs</h3>\n" + residual_plot(*shown[i]);
+                counted(shown[i]->images, "photograph") + "</h3>\n" + residual_plot(*shown[i]);
     }
     return html;
 }
@@ -251,12 +250,12 @@ std::string times(const ReportOptions& options) {
                                "the time of all threads at it.");
     if (options.times) {
         const RunTimes& log = *options.times;
-        html += "<p>" + std::to_string(log.images) + " photographs; from arrival to publication " +
+        html += "<p>" + counted(log.images, "photograph") + "; from arrival to publication " +
                 number(log.median_latency_ms / 1000.0, 2) + " s in the median, 95 % within " +
                 number(log.p95_latency_ms / 1000.0, 2) + " s.";
         if (log.seconds > 0.0)
-            html += " " + number(log.seconds, 0) + " s in all on " + std::to_string(log.threads) +
-                    " threads.";
+            html += " " + number(log.seconds, 0) + " s in all on " +
+                    counted(log.threads, "thread") + ".";
         html += "</p>\n";
         HtmlTable table({"node", "runs", "busy [s]", "waiting [s]", "work [s]"});
         for (const RunTimes::Node& node : log.nodes)
@@ -266,7 +265,7 @@ std::string times(const ReportOptions& options) {
     }
     if (options.machine) {
         html += "<p>The report was made on " + escaped(options.machine->processor) + ", " +
-                std::to_string(options.machine->cores) + " cores, " +
+                counted(options.machine->cores, "core") + ", " +
                 number(options.machine->memory_gib, 1) + " GiB.</p>\n";
     }
     return html;

@@ -82,6 +82,13 @@ TEST(DescribeReset, NamesFiveImages) {
     EXPECT_THAT(event.detail_json, HasSubstr("photo4.jpg"));
 }
 
+TEST(DescribeEvents, APlaceMayHaveOneImage) {
+    ResetOfFive found({});
+    found.solution.places = {{ImageId{0}, ImageId{1}}, {ImageId{4}}};
+    EXPECT_THAT(describe_places(found.problem, found.solution, found.images).text,
+                HasSubstr("that of photo0.jpg (2 images), photo4.jpg (1 image); "));
+}
+
 TEST(DescribeEvents, SettlingNamesTheLargestModel) {
     const std::vector<SettlingModel> two{{ClusterId{4}, 7}, {ClusterId{9}, 120}};
     const SessionEvent event = describe_settling(two);

@@ -190,6 +190,17 @@ TEST_F(KnownFilesTest, ASecondCardsPhotographsGetNamesOfTheirOwn) {
     expect_at_rest(folder_);
 }
 
+TEST_F(KnownFilesTest, OnePhotographWithTheNameOfAnotherIsToldOfAsOne) {
+    write("cardA/1.jpg", "A");
+    write("cardB/1.jpg", "B");
+    take_in(folder_ / "cardA");
+    const KnownFiles known = compare(folder_ / "cardB");
+    ASSERT_EQ(known.told.size(), 1U);
+    EXPECT_THAT(known.told[0], HasSubstr("1 photograph has the name of another one in the session, "
+                                         "and is taken in as cardB/1.jpg; programs that look for "
+                                         "it by that name want the folder"));
+}
+
 TEST_F(KnownFilesTest, EditedPhotographsAreToldOfEveryTime) {
     write("a.jpg", "A");
     write("b.jpg", "B");

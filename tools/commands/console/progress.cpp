@@ -174,16 +174,16 @@ void Progress::say(const std::string& line) {
 std::string Progress::line() const {
     std::string line = std::to_string(done_);
     if (expected_ > 0) line.append("/").append(std::to_string(expected_));
+    line += std::max(done_, expected_) == 1 ? " photograph" : " photographs";
     char text[160];
     std::snprintf(text, sizeof(text),
-                  " photographs, %u of %u images placed, %u waiting, %s in %s, %.2f images/s",
-                  counts_.placed, counts_.images, counts_.waiting,
-                  counted(counts_.clusters, "cluster").c_str(),
+                  ", %u of %u images placed, %u waiting, %s in %s, %.2f images/s", counts_.placed,
+                  counts_.images, counts_.waiting, counted(counts_.clusters, "cluster").c_str(),
                   counted(counts_.effective_clusters, "part").c_str(), time_left_.rate(now()));
     line += text;
     if (settling_ > 0) {
         line += ", " + std::to_string(settling_ - unsettled_.size()) + " of " +
-                std::to_string(settling_) + " models settled";
+                counted(settling_, "model") + " settled";
     }
     if (const auto left = time_left_.seconds(now()); left && (done_ < expected_ || settling_ > 0))
         line += ", " + format_duration(*left) + " left";

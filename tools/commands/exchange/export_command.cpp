@@ -51,8 +51,8 @@ Error no_model(const ExportArguments& arguments, std::size_t waiting) {
         arguments.after_image ? "had no model after image " + std::to_string(*arguments.after_image)
                               : std::string("has no model yet");
     return {ErrorCode::kNotFound, arguments.session + ": the session " + when + ": " +
-                                      std::to_string(waiting) +
-                                      " images waiting; `psfm status` says why"};
+                                      counted(waiting, "image") +
+                                      " waiting; `psfm status` says why"};
 }
 
 /// Points that a file of the format has: one of those that lie upon each other as floats.
@@ -65,8 +65,8 @@ std::size_t written_points(const ExportedModel& model, ExportFormat format) {
 void print_summary(const std::vector<ExportedModel>& models, ExportFormat format,
                    const std::vector<std::filesystem::path>& written) {
     for (std::size_t i = 0; i < models.size(); ++i) {
-        std::cout << written[i].string() << ": " << models[i].images.size() << " images, "
-                  << written_points(models[i], format) << " points\n";
+        std::cout << written[i].string() << ": " << counted(models[i].images.size(), "image")
+                  << ", " << counted(written_points(models[i], format), "point") << '\n';
     }
     std::cout << std::flush;
 }

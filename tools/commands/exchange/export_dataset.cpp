@@ -239,7 +239,7 @@ class DatasetExport {
         left_out_.insert(left_out_.end(), left_out->begin(), left_out->end());
         summary_.push_back(place.string() + ": " + counted(pictures, "image") + " of " +
                            counted(undistorted.cameras.size(), "camera") + ", " +
-                           std::to_string(undistorted.points.size()) + " points" +
+                           counted(undistorted.points.size(), "point") +
                            (undistorted.points.empty() ? " (most trainers want some)" : "") + "; " +
                            counted(wanted - left_out->size(), "picture") + " written");
         return std::nullopt;
@@ -319,8 +319,8 @@ std::optional<Failure> check_parts(const DatasetContents& contents, const std::s
                                    const DatasetArguments& arguments) {
     if (contents.models.empty()) {
         return of_session({ErrorCode::kNotFound, session + ": the session has no model yet: " +
-                                                     std::to_string(contents.scene.image_count) +
-                                                     " images waiting; `psfm status` says why"});
+                                                     counted(contents.scene.image_count, "image") +
+                                                     " waiting; `psfm status` says why"});
     }
     if (arguments.part && *arguments.part >= contents.models.size()) {
         return of_output({ErrorCode::kNotFound,

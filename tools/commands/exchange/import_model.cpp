@@ -113,9 +113,9 @@ std::optional<Failure> make_session(const SessionArguments& session, const Sessi
 
 /// @param points  of the model
 void print_begun(const BegunSession& begun, std::size_t points) {
-    std::cout << "taken over: " << counted(begun.images, "image") << ", " << begun.points
-              << " points, " << begun.pairs << " verified pairs, in "
-              << counted(begun.clusters, "cluster") << '\n'
+    std::cout << "taken over: " << counted(begun.images, "image") << ", "
+              << counted(begun.points, "point") << ", " << counted(begun.pairs, "verified pair")
+              << ", in " << counted(begun.clusters, "cluster") << '\n'
               << std::flush;
     if (points > begun.points) {
         std::cerr << "psfm: " << counted(points - begun.points, "point")
