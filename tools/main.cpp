@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "tools/commands/commands.h"
+#include "tools/commands/console/option_checks.h"
 
 #ifdef PSFM_JEMALLOC
 #include <jemalloc/jemalloc.h>
@@ -82,6 +83,7 @@ int run(int argc, char** argv) {
     psfm::add_vocabulary_command(app, exit_code);
     psfm::add_simulate_command(app, exit_code);
     psfm::add_doctor_command(app, exit_code);
+    psfm::refuse_empty_values(app);
     std::vector<std::string> words = words_of(argc, argv);
     const auto is_asked = [&](const CLI::App* command) {
         return command->check_name(words.front());

@@ -12,7 +12,6 @@
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
 
@@ -53,7 +52,6 @@ void add_check_command(CLI::App& app, int& exit_code) {
     command->footer(
         "Exit code 0 when every record is intact, 4 when one is damaged.\nExample: psfm check "
         "--session castle");
-    refuse_empty_values(*command);
     command->callback([session, &exit_code] { exit_code = check(*session); });
 }
 

@@ -10,7 +10,6 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 
 namespace psfm {
@@ -49,7 +48,6 @@ void add_compact_command(CLI::App& app, int& exit_code) {
     command->footer(
         "Needs as much free space as the session takes, for a moment.\nExample: psfm compact "
         "--session castle");
-    refuse_empty_values(*command);
     command->callback([session, &exit_code] { exit_code = compact(*session); });
 }
 

@@ -20,7 +20,6 @@
 #include "stages/features/cameras/lensfun_crop_factor.h"
 #include "stages/features/photographs/decode_heif.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 
 namespace psfm {
 namespace {
@@ -155,7 +154,6 @@ void add_doctor_command(CLI::App& app, int& exit_code) {
     const auto folder = std::make_shared<std::string>(".");
     command->add_option("--folder", *folder, "where sessions are to be (here)")->type_name("DIR");
     command->footer("Exit code 1 when something is missing, with what to install or change.");
-    refuse_empty_values(*command);
     command->callback([folder, &exit_code] { exit_code = examine(*folder); });
 }
 

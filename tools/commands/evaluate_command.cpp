@@ -15,7 +15,6 @@
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/evaluation_report.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 
 namespace psfm {
@@ -213,7 +212,6 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
         "  psfm evaluate --reference fountain/gt exported/0\n"
         "  psfm evaluate --reference fountain/gt --json colmap/sparse psfm/export\n"
         "  psfm evaluate --reference temple/gt --session my-session --every-image --json");
-    refuse_empty_values(*command);
     command->callback([arguments, command, models, session, &exit_code] {
         if (models->count() == 0 && session->count() == 0) {
             throw CLI::RequiredError(command->get_name() + ": a MODEL or --session");

@@ -23,7 +23,6 @@
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/report/json_text.h"
@@ -316,7 +315,6 @@ void add_localise_command(CLI::App& app, int& exit_code) {
         "\n"
         "Example:\n"
         "  psfm localise --session castle visitor.jpg --json");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = run_localise(*arguments); });
 }
 

@@ -11,7 +11,6 @@
 #include "scheduler/session/option_table.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 
 namespace psfm {
@@ -112,7 +111,6 @@ void add_options_command(CLI::App& app, int& exit_code) {
         "Examples:\n"
         "  psfm options\n"
         "  psfm run photos --session castle --set features.sift.max_features=4096");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = print_options(*arguments); });
 }
 

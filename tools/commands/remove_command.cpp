@@ -15,7 +15,6 @@
 #include "graph/wording.h"
 #include "scheduler/session/remove_images.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/session_options.h"
@@ -179,7 +178,6 @@ void add_remove_command(CLI::App& app, int& exit_code) {
         "Files are left alone. What was removed stays out, whatever its file is called, until "
         "--undo;\nan edited file is another photograph, and comes in with the next run.\n"
         "Example: psfm remove --session castle blurred/IMG_0007.jpg IMG_0012.jpg");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = remove(*arguments); });
 }
 

@@ -8,7 +8,6 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/write_whole_file.h"
 #include "tools/commands/exchange/geo_report.h"
@@ -74,7 +73,6 @@ void add_report_command(CLI::App& app, int& exit_code) {
                       "Say where on the earth the session stands; without it the report has no "
                       "position");
     command->footer("Example: psfm report --session castle --output castle.html");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = report(*arguments); });
 }
 

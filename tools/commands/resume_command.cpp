@@ -9,7 +9,6 @@
 
 #include "scheduler/session/file_stamp.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/photo_order.h"
 #include "tools/commands/session_options.h"
@@ -100,7 +99,6 @@ void add_resume_command(CLI::App& app, int& exit_code) {
         "The session remembers its photograph folder, order and options. What was acknowledged is "
         "not\n"
         "computed again; what was in flight is.\nExample: psfm resume --session castle");
-    refuse_empty_values(*command);
     command->callback([command, arguments, &exit_code] {
         arguments->is_memory_given = command->get_option("--memory")->count() > 0;
         exit_code = resume(*arguments);

@@ -11,7 +11,6 @@
 #include "stages/features/photographs/masks_beside_photos.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/exchange/export_dataset.h"
 #include "tools/commands/exchange/given_cameras.h"
@@ -138,7 +137,6 @@ void add_run_command(CLI::App& app, int& exit_code) {
         "A session can be continued with more photographs by the same command; those it has are "
         "skipped.\n"
         "Ctrl-C stops in order: `psfm resume --session DIR` goes on.");
-    refuse_empty_values(*command);
     command->callback([command, arguments, &exit_code] { exit_code = run(*command, *arguments); });
 }
 

@@ -14,7 +14,6 @@
 #include "storage/database/session_folder.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/serve_session.h"
 #include "tools/serve/qr_code.h"
@@ -185,7 +184,6 @@ void add_serve_command(CLI::App& app, int& exit_code) {
         "  psfm serve --session castle --listen 0.0.0.0:8080 --host photos.example.org\n"
         "Without users it is for this machine alone, and whoever is there may do everything.\n"
         "Ctrl-C stops in order; the same command goes on. TLS is a proxy's: docs/serve.md.");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = serve(*arguments); });
 }
 

@@ -148,7 +148,6 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
         "  psfm import --session S --colmap-database temple/database.db --order temple/order.txt\n"
         "  psfm evaluate --reference temple/reference --session S\n"
         "  psfm simulate --output town --scene streets --images 10000 --copied-facades 0.3");
-    refuse_empty_values(*command);
     command->callback([=, &exit_code] {
         const auto only_for = [&](const CLI::Option* option, const char* wanted) {
             if (option->count() == 0 || arguments->scene == wanted) return;

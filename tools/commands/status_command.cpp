@@ -15,7 +15,6 @@
 #include "scheduler/report/camera_report.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/waiting_report.h"
@@ -163,7 +162,6 @@ void add_status_command(CLI::App& app, int& exit_code) {
         "  psfm status --session castle --json | jq '.image_list[] | select(.state != "
         "\"placed\")'\n"
         "  psfm status --session castle --follow");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = show_status(*arguments); });
 }
 

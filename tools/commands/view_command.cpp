@@ -9,7 +9,6 @@
 
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/write_whole_file.h"
 #include "tools/commands/exchange/geo_report.h"
@@ -109,7 +108,6 @@ void add_view_command(CLI::App& app, int& exit_code) {
         "Examples:\n"
         "  psfm view --session castle --output castle.html\n"
         "  psfm view --session castle");
-    refuse_empty_values(*command);
     command->callback([arguments, &exit_code] { exit_code = view(*arguments); });
 }
 

@@ -22,7 +22,6 @@
 #include "stages/retrieval/train_vocabulary.h"
 #include "stages/retrieval/vocabulary_file.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
@@ -251,7 +250,6 @@ void add_vocabulary_command(CLI::App& app, int& exit_code) {
         "  psfm vocabulary train photos-of-all-kinds\n"
         "  psfm vocabulary train holiday-photos --output words.psfm\n"
         "  psfm run photos --session my-session --vocabulary words.psfm");
-    refuse_empty_values(*train);
     train->callback([arguments, &exit_code] { exit_code = run_train(*arguments); });
 }
 

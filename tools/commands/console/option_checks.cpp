@@ -30,6 +30,8 @@ void refuse_empty_values(CLI::App& command) {
     for (CLI::Option* option : command.get_options()) {
         if (option->get_expected_max() > 0) option->check(empty_value_problem);
     }
+    const auto all = [](const CLI::App* /*any*/) { return true; };
+    for (CLI::App* below : command.get_subcommands(all)) refuse_empty_values(*below);
 }
 
 }  // namespace psfm

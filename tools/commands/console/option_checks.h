@@ -15,8 +15,8 @@ namespace psfm {
 /// @return what is wrong, empty if nothing
 std::string whole_number_problem(const std::string& text);
 
-/// Every option and positional that the command has so far refuses an empty value, as it comes of a
-/// shell's variable that is not set. The last call about a command, before its callback.
+/// Every option and positional that the command and its commands have so far refuses an empty
+/// value, as it comes of a shell's variable that is not set.
 void refuse_empty_values(CLI::App& command);
 
 }  // namespace psfm

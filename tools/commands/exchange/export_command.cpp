@@ -22,7 +22,6 @@
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/exchange/export_database.h"
 #include "tools/commands/exchange/export_dataset.h"
@@ -279,7 +278,6 @@ void add_export_command(CLI::App& app, int& exit_code) {
         "  psfm export --session my-session --format ply --output early --after-image 20\n"
         "  psfm export --session my-session --format dataset --output train-me --reduced 2 4 8\n"
         "  psfm export --session my-session --format colmap-database --output for-colmap");
-    refuse_empty_values(*command);
     command->callback(
         [command, arguments, &exit_code] { exit_code = run_export(*command, *arguments); });
 }

@@ -12,7 +12,6 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/count_line.h"
 #include "tools/commands/console/exit_codes.h"
-#include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/exchange/import_checks.h"
 #include "tools/commands/exchange/import_model.h"
@@ -136,7 +135,6 @@ void add_import_command(CLI::App& app, int& exit_code) {
         "  psfm import --session castle --colmap-database castle.db\n"
         "  psfm import --session castle --colmap-database castle.db --shuffle 1 --deterministic\n"
         "  psfm import --session castle --colmap-model sparse/0 --images photos");
-    refuse_empty_values(*command);
     command->callback(
         [command, arguments, &exit_code] { exit_code = import(*command, *arguments); });
 }
