@@ -88,8 +88,8 @@ void add_residual(const Residual& residual, const Camera& camera, CameraFacts& f
     };
     const int column = cell_of(residual.observed_px.x(), camera.width, CameraFacts::kColumns);
     const int row = cell_of(residual.observed_px.y(), camera.height, CameraFacts::kRows);
-    ResidualCell& cell =
-        facts.cells.at(static_cast<std::size_t>(row * CameraFacts::kColumns + column));
+    ResidualCell& cell = facts.cells.at(static_cast<std::size_t>(row) * CameraFacts::kColumns +
+                                        static_cast<std::size_t>(column));
     ++cell.count;
     cell.mean_px += residual.difference_px;
     cell.mean_length_px += residual.difference_px.norm();
