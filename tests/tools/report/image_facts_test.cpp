@@ -11,10 +11,13 @@
 namespace psfm {
 namespace {
 
+/// @param removed  of the images: taken out by then
 PastVersion version(std::uint64_t number, std::uint32_t images,
-                    std::vector<std::pair<ImageId, WaitReason>> waiting) {
+                    std::vector<std::pair<ImageId, WaitReason>> waiting,
+                    std::uint32_t removed = 0) {
     SceneSummary summary;
     summary.waiting = std::move(waiting);
+    summary.counts.images = images - removed;
     return {number, images, 1, encode_summary(summary)};
 }
 
@@ -44,6 +47,14 @@ TEST(SinceBook, AnImageThatLosesItsPlaceWaitsSinceThen) {
     EXPECT_EQ(book.of(1)[0].version, 1U);
     book.add(version(3, 1, {{a, WaitReason::kRegistrationFailed}}));
     EXPECT_EQ(book.of(1)[0].version, 3U);
+}
+
+TEST(SinceBook, ImagesThatWereTakenOutAreNotCounted) {
+    SinceBook book;
+    book.add(version(1, 3, {}));
+    book.add(version(2, 5, {}, 2));
+    EXPECT_EQ(book.of(5)[4].version, 2U);
+    EXPECT_EQ(book.of(5)[4].images, 3U);
 }
 
 /// Images 0, 1 and 2 in a row; two blocks of points, of 0 and 1, and of 1 and 2.
