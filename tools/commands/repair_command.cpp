@@ -181,15 +181,20 @@ Result<void> change_names(const Folders& folders) {
     return {};
 }
 
+/// What examine() has made is gone again.
+void leave_alone(const Folders& folders, Patient& patient) {
+    patient.reader.reset();
+    std::error_code stays;
+    fs::remove_all(folders.rebuilt, stays);
+}
+
 int run_again(const Folders& folders, const RepairArguments& arguments, Patient& patient) {
     const auto settings = patient.reader->settings();
     if (!settings.ok()) {
         std::cerr << "psfm: the settings of " << quoted(folders.session)
                   << " are lost and cannot be recomputed (" << settings.error().message
                   << "); run its photographs into a new session\n";
-        patient.reader.reset();
-        std::error_code stays;
-        fs::remove_all(folders.rebuilt, stays);
+        leave_alone(folders, patient);
         return kStoreDamaged;
     }
     auto config = decode_config(settings->settings_json);
@@ -254,7 +259,10 @@ int repair(const RepairArguments& arguments) {
         std::cout << "every record is intact; there is nothing to repair\n";
         return 0;
     }
-    if (is_second) return refuse_second_repair(folders);
+    if (is_second) {
+        leave_alone(folders, *patient);
+        return refuse_second_repair(folders);
+    }
     return run_again(folders, arguments, *patient);
 }
 

@@ -126,6 +126,7 @@ class Repair(unittest.TestCase):
         self.assertIn("nothing to repair", self.repair().stdout)
         (self.session / "db/CURRENT").unlink()
         self.assertIn("earlier repair", self.repair(3).stderr)
+        self.assertEqual(sorted(folder.name for folder in self.folder.glob("session*")), ["session", "session.damaged"])
 
     def test_compact_gives_space_back(self):
         shutil.rmtree(self.session)
