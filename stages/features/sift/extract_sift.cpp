@@ -7,10 +7,12 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/features/sift/choose_places.h"
 #include "stages/features/sift/describe_place.h"
 #include "stages/features/sift/find_places.h"
@@ -22,6 +24,8 @@ namespace {
 
 /// Guard: ends the octaves: of one whose shorter side is less, nearly all is rim [px].
 constexpr int kMinOctaveSide = 16;
+/// Guard: places that are described by one task: milliseconds, and buffers of its own.
+constexpr std::size_t kPlacesATask = 256;
 
 /// The image to detect in, and pixels of the full image per pixel of it.
 struct DetectionImage {
@@ -112,10 +116,24 @@ Keypoint to_keypoint(const SiftPlace& place, const DetectionImage& image, const 
     return keypoint;
 }
 
+/// Features of places that a strip answers for.
+void describe(std::span<const SiftPlace> places, const OctaveStrip& strip,
+              const DetectionImage& image, const cv::Mat& colour, const SiftOptions& options,
+              std::vector<Feature>& features) {
+    PlaceDescriber describer;
+    for (const SiftPlace& place : places) {
+        Feature feature{to_keypoint(place, image, colour)};
+        for (const float angle : describer.orientations(strip, place, options)) {
+            feature.keypoint.angle = angle;
+            write_root_sift(describer.descriptor(strip, place, angle), feature.descriptor);
+            features.push_back(feature);
+        }
+    }
+}
+
 std::vector<Feature> describe(const Detection& detection, const DetectionImage& image,
                               const cv::Mat& colour, const SiftOptions& options) {
     std::vector<Feature> features;
-    PlaceDescriber describer;
     for (const OctaveSource& octave : detection.octaves) {
         std::vector<SiftPlace> places;
         for (const SiftPlace& place : detection.places) {
@@ -123,18 +141,21 @@ std::vector<Feature> describe(const Detection& detection, const DetectionImage& 
         }
         if (places.empty()) continue;
         std::ranges::sort(places, {}, &SiftPlace::row);
-        std::size_t next = 0;
+        std::span<const SiftPlace> left = places;
         const auto describe_rows = [&](const OctaveStrip& strip) {
-            for (; next < places.size() && places[next].row < static_cast<float>(strip.end);
-                 ++next) {
-                Feature feature{to_keypoint(places[next], image, colour)};
-                for (const float angle : describer.orientations(strip, places[next], options)) {
-                    feature.keypoint.angle = angle;
-                    write_root_sift(describer.descriptor(strip, places[next], angle),
-                                    feature.descriptor);
-                    features.push_back(feature);
-                }
-            }
+            const auto beyond =
+                std::ranges::lower_bound(left, static_cast<float>(strip.end), {}, &SiftPlace::row);
+            const auto here = left.first(static_cast<std::size_t>(beyond - left.begin()));
+            left = left.subspan(here.size());
+            std::vector<std::vector<Feature>> parts((here.size() + kPlacesATask - 1) /
+                                                    kPlacesATask);
+            in_parallel(parts.size(), [&](std::size_t part) {
+                const auto rest = here.subspan(part * kPlacesATask);
+                describe(rest.first(std::min(kPlacesATask, rest.size())), strip, image, colour,
+                         options, parts[part]);
+            });
+            for (const std::vector<Feature>& part : parts)
+                features.insert(features.end(), part.begin(), part.end());
         };
         for_each_strip(octave, layers_to_describe(options), reach_to_describe(options), options,
                        describe_rows);

@@ -10,6 +10,8 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <optional>
 
+#include "stages/algorithms/math/in_parallel.h"
+
 namespace psfm {
 namespace {
 
@@ -228,15 +230,27 @@ std::optional<Extremum> refine(const Differences& d, Extremum at, const OctaveSt
     return std::nullopt;
 }
 
-}  // namespace
+/// The place that a refined extremum is.
+SiftPlace place_of(const Extremum& found, const OctaveSource& octave, const SiftOptions& options) {
+    SiftPlace place;
+    place.octave = octave.index;
+    place.layer = found.layer;
+    place.column = static_cast<float>(found.column) + found.offset[0];
+    place.row = static_cast<float>(found.row) + found.offset[1];
+    const float level = static_cast<float>(found.layer) + found.offset[2];
+    place.sigma = static_cast<float>(
+        options.sigma * std::pow(2.0, static_cast<double>(level) / options.octave_layers));
+    place.contrast = std::abs(found.contrast) / 255.F;
+    place.x = octave.origin + octave.pitch * place.column;
+    place.y = octave.origin + octave.pitch * place.row;
+    place.scale = octave.pitch * place.sigma;
+    return place;
+}
 
-void find_places(const OctaveSource& octave, const OctaveStrip& strip, const SiftOptions& options,
-                 std::vector<SiftPlace>& places) {
-    assert(static_cast<int>(strip.layers.size()) == layers_to_detect(options));
+/// The places whose extremum lies in rows [first, last), appended.
+void find_in_rows(int first, int last, const OctaveSource& octave, const OctaveStrip& strip,
+                  const SiftOptions& options, std::vector<SiftPlace>& places) {
     const int width = octave.size.width;
-    const int first = std::max(strip.begin, kBorder);
-    const int last = std::min(strip.end, strip.height - kBorder);
-    if (width <= 2 * kBorder || first >= last) return;
     const auto threshold =
         static_cast<float>(0.5 * options.contrast_threshold / options.octave_layers * 255.0);
     const Differences differences(strip);
@@ -250,24 +264,28 @@ void find_places(const OctaveSource& octave, const OctaveStrip& strip, const Sif
             window.visit_extrema(layer, row, threshold, [&](int column) {
                 const auto found =
                     refine(differences, {layer, row, column, {}, 0.F}, strip, width, options);
-                if (!found) return;
-                SiftPlace place;
-                place.octave = octave.index;
-                place.layer = found->layer;
-                place.column = static_cast<float>(found->column) + found->offset[0];
-                place.row = static_cast<float>(found->row) + found->offset[1];
-                const float level = static_cast<float>(found->layer) + found->offset[2];
-                place.sigma =
-                    static_cast<float>(options.sigma * std::pow(2.0, static_cast<double>(level) /
-                                                                         options.octave_layers));
-                place.contrast = std::abs(found->contrast) / 255.F;
-                place.x = octave.origin + octave.pitch * place.column;
-                place.y = octave.origin + octave.pitch * place.row;
-                place.scale = octave.pitch * place.sigma;
-                places.push_back(place);
+                if (found) places.push_back(place_of(*found, octave, options));
             });
         }
     }
+}
+
+}  // namespace
+
+void find_places(const OctaveSource& octave, const OctaveStrip& strip, const SiftOptions& options,
+                 std::vector<SiftPlace>& places) {
+    assert(static_cast<int>(strip.layers.size()) == layers_to_detect(options));
+    const int first = std::max(strip.begin, kBorder);
+    const int last = std::min(strip.end, strip.height - kBorder);
+    if (octave.size.width <= 2 * kBorder || first >= last) return;
+    std::vector<std::vector<SiftPlace>> bands(bands_of(last - first));
+    in_parallel(bands.size(), [&](std::size_t band) {
+        const int begin = first + static_cast<int>(band) * kRowsOfBand;
+        find_in_rows(begin, std::min(begin + kRowsOfBand, last), octave, strip, options,
+                     bands[band]);
+    });
+    for (const std::vector<SiftPlace>& band : bands)
+        places.insert(places.end(), band.begin(), band.end());
 }
 
 }  // namespace psfm

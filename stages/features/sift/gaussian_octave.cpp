@@ -8,6 +8,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "stages/algorithms/math/in_parallel.h"
+
 namespace psfm {
 namespace {
 
@@ -21,9 +23,16 @@ int radius_of(double sigma) {
 
 void blur(const cv::Mat& from, cv::Mat& to, double sigma) {
     const int size = 2 * radius_of(sigma) + 1;
-    // Isolated: a strip is all that there is. Its rim comes out wrong, and is not used.
-    cv::GaussianBlur(from, to, {size, size}, sigma, sigma,
-                     cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
+    to.create(from.size(), CV_32F);
+    in_parallel(bands_of(from.rows), [&](std::size_t band) {
+        const int begin = static_cast<int>(band) * kRowsOfBand;
+        const cv::Range rows(begin, std::min(begin + kRowsOfBand, from.rows));
+        cv::Mat part = to.rowRange(rows);
+        // It sees the rows beside the band. At the strip's own rim it comes out wrong where the
+        // strip is all that there is, and that is not used.
+        cv::GaussianBlur(from.rowRange(rows), part, {size, size}, sigma, sigma,
+                         cv::BORDER_REFLECT_101);
+    });
 }
 
 /// Blur that makes a layer of the one before it; of layer 0 of an octave that is made of the 8-bit

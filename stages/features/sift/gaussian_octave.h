@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <opencv2/core/mat.hpp>
 #include <vector>
@@ -33,6 +34,14 @@ struct OctaveStrip {
 /// The octave of the doubled image (index -1), or the next one, which is made without it (0).
 /// grey: CV_8U.
 OctaveSource first_octave(const cv::Mat& grey, int index);
+
+/// Guard: rows that one task blurs, or looks for extrema in: enough that what it does twice beside
+/// them (26 rows of the widest blur) hardly counts.
+inline constexpr int kRowsOfBand = 128;
+/// Bands that so many rows make.
+inline std::size_t bands_of(int rows) {
+    return static_cast<std::size_t>((rows + kRowsOfBand - 1) / kRowsOfBand);
+}
 
 /// Layers that finding extrema takes, and that descriptions are made of.
 inline int layers_to_detect(const SiftOptions& options) {

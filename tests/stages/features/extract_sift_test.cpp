@@ -3,6 +3,7 @@
 #include "stages/features/sift/extract_sift.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -73,6 +74,21 @@ TEST(ExtractSiftTest, RepeatsItself) {
     const SiftFeatures second = extract(image);
     EXPECT_EQ(first.keypoints, second.keypoints);
     EXPECT_EQ(first.descriptors, second.descriptors);
+}
+
+TEST(ExtractSiftTest, TheSameOnAnyNumberOfThreads) {
+    const cv::Mat image = textured_image(700, 501);  // several bands, and tasks of places
+    const auto on_threads = [&](int threads) {
+        tbb::task_arena arena(threads);
+        return arena.execute([&] { return extract(image); });
+    };
+    const SiftFeatures alone = on_threads(1);
+    EXPECT_GT(alone.keypoints.size(), 1000U);
+    for (int round = 0; round < 3; ++round) {
+        const SiftFeatures together = on_threads(4);
+        EXPECT_EQ(alone.keypoints, together.keypoints);
+        EXPECT_EQ(alone.descriptors, together.descriptors);
+    }
 }
 
 std::size_t places_of(const SiftFeatures& features) {

@@ -67,6 +67,19 @@ TEST(GaussianOctaveTest, StripsOfAnyHeightHoldTheSameBits) {
     }
 }
 
+TEST(GaussianOctaveTest, BandsOfRowsHoldTheBitsOfTheWhole) {
+    const OctaveSource octave = first_octave(grey_image(700, 501), 0);
+    const SiftOptions options;
+    const Assembled whole = assemble(octave, 1000, 2);
+    const double step = std::pow(2.0, 1.0 / options.octave_layers);
+    const double sigma = options.sigma * std::sqrt(step * step - 1.0);
+    const int side = 2 * static_cast<int>(std::ceil(4.0 * sigma)) + 1;
+    cv::Mat blurred;
+    cv::GaussianBlur(whole.layers[0], blurred, {side, side}, sigma, sigma, cv::BORDER_REFLECT_101);
+    ASSERT_GT(bands_of(blurred.rows), 3U);
+    EXPECT_EQ(cv::norm(whole.layers[1], blurred, cv::NORM_INF), 0.0);
+}
+
 TEST(GaussianOctaveTest, TheNextOctaveIsTheSameFromStripsOfAnyHeight) {
     const OctaveSource octave = first_octave(grey_image(700, 501), 0);
     const auto next_of = [&](std::uint32_t strip_mib) {
