@@ -10,6 +10,7 @@
 
 #include "graph/wording.h"
 #include "scheduler/report/camera_report.h"
+#include "storage/exchange/files/json_text.h"
 
 namespace psfm {
 namespace {
@@ -87,18 +88,18 @@ SessionEvent describe_reset(const ClusterProblem& problem, const ClusterSolution
     }
     event.text += "; the new model has " + std::to_string(solution.model->images.size()) + " of " +
                   counted(problem.images.size(), "image");
-    event.detail_json = nlohmann::json{{"reason", stuck     ? "stuck"
-                                                  : missing ? "missing"
-                                                            : "contradiction"},
-                                       {"scope", reset_images.empty() ? "cluster" : "images"},
-                                       {"reset_images", reset_images},
-                                       {"angle_deg", contradiction.angle_deg},
-                                       {"edges", contradiction.edges},
-                                       {"edges_beyond", contradiction.beyond},
-                                       {"placed_before", reset.placed_before},
-                                       {"placed", solution.model->images.size()},
-                                       {"members", problem.images.size()}}
-                            .dump();
+    event.detail_json =
+        json_text(nlohmann::json{{"reason", stuck     ? "stuck"
+                                            : missing ? "missing"
+                                                      : "contradiction"},
+                                 {"scope", reset_images.empty() ? "cluster" : "images"},
+                                 {"reset_images", reset_images},
+                                 {"angle_deg", contradiction.angle_deg},
+                                 {"edges", contradiction.edges},
+                                 {"edges_beyond", contradiction.beyond},
+                                 {"placed_before", reset.placed_before},
+                                 {"placed", solution.model->images.size()},
+                                 {"members", problem.images.size()}});
     return event;
 }
 
@@ -127,7 +128,7 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
     if (sizes.size() > kShown)
         event.text += " and " + std::to_string(sizes.size() - kShown) + " more";
     event.text += "; they are kept apart";
-    event.detail_json = nlohmann::json{{"places", sizes}}.dump();
+    event.detail_json = json_text(nlohmann::json{{"places", sizes}});
     return event;
 }
 
@@ -137,7 +138,7 @@ SessionEvent describe_reunion(ClusterId a, ClusterId b) {
     event.clusters = {index_of(a), index_of(b)};
     event.text = "clusters " + std::to_string(index_of(a)) + " and " + std::to_string(index_of(b)) +
                  " were kept apart, and may be of one place after all: they may join again";
-    event.detail_json = nlohmann::json{{"together", true}}.dump();
+    event.detail_json = json_text(nlohmann::json{{"together", true}});
     return event;
 }
 
@@ -167,7 +168,7 @@ std::optional<SessionEvent> describe_cameras(const ClusterProblem& problem,
         event.text += (i == 0 ? "" : "; ") + told[i];
     if (told.size() > kShown)
         event.text += "; and " + std::to_string(told.size() - kShown) + " more";
-    event.detail_json = nlohmann::json{{"cameras", cameras}}.dump();
+    event.detail_json = json_text(nlohmann::json{{"cameras", cameras}});
     return event;
 }
 
@@ -181,9 +182,8 @@ SessionEvent describe_adoption(const Adoption& adoption, ClusterId from, const s
         " could not place, has its place in the merged model: " + std::to_string(adoption.inliers) +
         " points agree, most of them of cluster " + std::to_string(index_of(adoption.host)) +
         ", which adds it";
-    event.detail_json =
-        nlohmann::json{{"inliers", adoption.inliers}, {"inliers_of_host", adoption.inliers_of_host}}
-            .dump();
+    event.detail_json = json_text(nlohmann::json{{"inliers", adoption.inliers},
+                                                 {"inliers_of_host", adoption.inliers_of_host}});
     return event;
 }
 
@@ -200,7 +200,7 @@ SessionEvent describe_settling(std::span<const SettlingModel> models) {
     event.text = models.size() == 1 ? "settling the model of " + images
                                     : "settling " + std::to_string(models.size()) +
                                           " models, the largest of " + images;
-    event.detail_json = nlohmann::json{{"models", models.size()}, {"largest", largest}}.dump();
+    event.detail_json = json_text(nlohmann::json{{"models", models.size()}, {"largest", largest}});
     return event;
 }
 
@@ -220,17 +220,17 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
                      (statistics.closed_loops > 0 ? ", loops closed" : "") +
                      (published ? "" : "; the cluster has changed meanwhile");
     }
-    event.detail_json = nlohmann::json{{"kind", name_of(statistics.kind)},
-                                       {"milliseconds", statistics.milliseconds},
-                                       {"full_adjustments", statistics.full_adjustments},
-                                       {"local_adjustments", statistics.local_adjustments},
-                                       {"removed_edges", statistics.removed_edges},
-                                       {"global", statistics.is_global},
-                                       {"joined_models", statistics.joined_models},
-                                       {"left_models", statistics.left_models},
-                                       {"closed_loops", statistics.closed_loops},
-                                       {"mean_error_px", statistics.mean_error_px}}
-                            .dump();
+    event.detail_json =
+        json_text(nlohmann::json{{"kind", name_of(statistics.kind)},
+                                 {"milliseconds", statistics.milliseconds},
+                                 {"full_adjustments", statistics.full_adjustments},
+                                 {"local_adjustments", statistics.local_adjustments},
+                                 {"removed_edges", statistics.removed_edges},
+                                 {"global", statistics.is_global},
+                                 {"joined_models", statistics.joined_models},
+                                 {"left_models", statistics.left_models},
+                                 {"closed_loops", statistics.closed_loops},
+                                 {"mean_error_px", statistics.mean_error_px}});
     return event;
 }
 

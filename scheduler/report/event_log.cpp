@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "storage/exchange/files/json_text.h"
+
 namespace psfm {
 namespace {
 
@@ -24,10 +26,6 @@ double rounded(double milliseconds) {
 
 double rounded_seconds(double seconds) {
     return rounded(seconds * 1000.0) / 1000.0;
-}
-
-std::string dump(const ordered_json& object) {
-    return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 /// Guard: lines that wait for space on the disk, at most [bytes]: of some 50,000 images. Ours.
@@ -90,7 +88,7 @@ std::string log_line(const ImageReport& image, const SessionCounts& counts) {
     object["version"] = counts.version;
     object["images"] = counts.images;
     object["rejected"] = counts.rejected;
-    return dump(object);
+    return json_text(object);
 }
 
 std::string log_line(const SessionEvent& event) {
@@ -98,10 +96,10 @@ std::string log_line(const SessionEvent& event) {
     if (!event.images.empty()) object["images"] = event.images;
     if (!event.clusters.empty()) object["clusters"] = event.clusters;
     if (!event.detail_json.empty()) {
-        const ordered_json detail = ordered_json::parse(event.detail_json, nullptr, false);
+        const ordered_json detail = parse_ordered_json(event.detail_json);
         if (detail.is_object()) object.update(detail);
     }
-    return dump(object);
+    return json_text(object);
 }
 
 std::string log_line(const GraphUsage& usage) {
@@ -115,10 +113,10 @@ std::string log_line(const GraphUsage& usage) {
                                      {"work_s", rounded_seconds(node.work_s)},
                                      {"queued_s", rounded_seconds(node.queued_s)}});
     }
-    return dump(ordered_json{{"event", "nodes"},
-                             {"seconds", rounded_seconds(usage.seconds)},
-                             {"threads", usage.threads},
-                             {"nodes", std::move(nodes)}});
+    return json_text(ordered_json{{"event", "nodes"},
+                                  {"seconds", rounded_seconds(usage.seconds)},
+                                  {"threads", usage.threads},
+                                  {"nodes", std::move(nodes)}});
 }
 
 Result<std::unique_ptr<EventLog>> EventLog::open(const std::filesystem::path& file) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/session/whole_number.h"
+#include "storage/exchange/files/json_text.h"
 
 namespace psfm {
 namespace {
@@ -51,7 +52,7 @@ Result<StoredSolveState> decode_solve_state(const std::string& text) {
     if (text.empty()) return stored;
     SolveState& state = stored.state;
     try {
-        const json object = json::parse(text);
+        const json object = parse_json(text);
         const auto count = [&](const char* name, std::uint32_t& field) {
             field = whole_number_or<std::uint32_t>(object, name, 0);
         };
@@ -99,7 +100,7 @@ Result<SceneSummary> decode_summary(const std::string& text) {
     SceneSummary summary;
     if (text.empty()) return summary;
     try {
-        const json object = json::parse(text);
+        const json object = parse_json(text);
         for (const CountField& field : kCountFields)
             summary.counts.*field.field = whole_number_or<std::uint32_t>(object, field.name, 0);
         summary.counts.version = whole_number_or<std::uint64_t>(object, "version", 0);

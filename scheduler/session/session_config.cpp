@@ -9,6 +9,7 @@
 #include "scheduler/session/option_table.h"
 #include "scheduler/session/presets.h"
 #include "scheduler/session/whole_number.h"
+#include "storage/exchange/files/json_text.h"
 
 namespace psfm {
 namespace {
@@ -128,7 +129,7 @@ std::string encode_config(const SessionConfig& config) {
 Result<SessionConfig> decode_config(const std::string& text) {
     SessionConfig config;
     try {
-        const json object = json::parse(text);
+        const json object = parse_json(text);
         if (whole_number<std::uint32_t>(object.at("version")) > kConfigVersion) {
             return Error{ErrorCode::kVersion,
                          "the session's settings were written by a newer psfm; use that one"};

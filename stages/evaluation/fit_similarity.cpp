@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/evaluation/fit_similarity.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -46,12 +49,11 @@ Result<SimilarityFit> fit_similarity(std::span<const Eigen::Vector3d> source,
         target_variance <= kRounding * count * target_mean.squaredNorm()) {
         return Error{ErrorCode::kDegenerate, "the points of one side coincide"};
     }
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const SingularValues svd = singular_values(covariance);
     Eigen::Vector3d sign = Eigen::Vector3d::Ones();
-    if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign.z() = -1.0;
-    const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-    const double scale = svd.singularValues().dot(sign) / source_variance;
+    if (svd.u.determinant() * svd.v.determinant() < 0.0) sign.z() = -1.0;
+    const Eigen::Matrix3d rotation = svd.u * sign.asDiagonal() * svd.v.transpose();
+    const double scale = svd.values.dot(sign) / source_variance;
     if (!std::isfinite(scale) || scale <= 0.0) {
         return Error{ErrorCode::kDegenerate, "no similarity of positive scale fits the points"};
     }
@@ -60,7 +62,7 @@ Result<SimilarityFit> fit_similarity(std::span<const Eigen::Vector3d> source,
     fit.target_from_source.rotation = Eigen::Quaterniond(rotation).normalized();
     fit.target_from_source.translation =
         target_mean - scale * (fit.target_from_source.rotation * source_mean);
-    fit.collinear = svd.singularValues()(1) < kCollinearRatio * svd.singularValues()(0);
+    fit.collinear = svd.values(1) < kCollinearRatio * svd.values(0);
     return fit;
 }
 

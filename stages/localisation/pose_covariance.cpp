@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/localisation/pose_covariance.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -58,13 +59,13 @@ std::optional<Matrix6> pose_covariance(std::span<const Eigen::Vector2d> pixels,
     // Axes of different units: made alike for the inverse, and back again.
     Matrix6 scale = Matrix6::Identity();
     for (int axis = 3; axis < 6; ++axis) scale(axis, axis) = distance;
-    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scale * information * scale);
-    if (!(solver.eigenvalues().minCoeff() > 1e-12 * solver.eigenvalues().maxCoeff()))
-        return std::nullopt;
+    const Matrix6 scaled = scale * information * scale;
+    const Matrix6 inverse = solve_symmetric(scaled, Matrix6::Identity());
+    // The traces' product is the condition number, or up to 36 times that.
+    const bool is_determined =
+        inverse.diagonal().minCoeff() > 0.0 && scaled.trace() * inverse.trace() < 1e12;
+    if (!is_determined) return std::nullopt;
     const double variance = squares / (2.0 * static_cast<double>(count) - 6.0);
-    const Matrix6 inverse = solver.eigenvectors() *
-                            solver.eigenvalues().cwiseInverse().asDiagonal() *
-                            solver.eigenvectors().transpose();
     return Matrix6(variance * scale * inverse * scale);
 }
 

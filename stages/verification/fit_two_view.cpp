@@ -4,11 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "stages/algorithms/math/decompositions.h"
 #include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/algorithms/two_view/refine_two_view.h"
 
@@ -49,11 +49,10 @@ Eigen::Quaterniond aligning_rotation(const TwoViewProblem& problem, const Indice
         correlation +=
             p.x2.homogeneous().normalized() * p.x1.homogeneous().normalized().transpose();
     }
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1.0 : 1.0;
+    const SingularValues svd = singular_values(correlation);
+    const double sign = (svd.u * svd.v.transpose()).determinant() < 0 ? -1.0 : 1.0;
     const Eigen::Matrix3d rotation =
-        svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+        svd.u * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.v.transpose();
     return Eigen::Quaterniond(rotation).normalized();
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/verification/match_density.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -39,7 +39,7 @@ AffineMap fit_affine(const std::vector<Eigen::Vector2d>& from,
         right += (y - x) * x.transpose();
     }
     AffineMap map;
-    map.linear += normal.ldlt().solve(right.transpose()).transpose();
+    map.linear += right * normal.inverse();
     map.shift = to_mean - map.linear * from_mean;
     return map;
 }

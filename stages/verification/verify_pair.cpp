@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/verification/verify_pair.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -90,8 +90,9 @@ double spread_across(std::span<const PointPair> pixels, const Indices& indices,
         scatter += offset * offset.transpose();
     }
     scatter /= static_cast<double>(indices.size());
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter, Eigen::EigenvaluesOnly);
-    return std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
+    const double smaller_eigenvalue =
+        0.5 * scatter.trace() - std::hypot(0.5 * (scatter(0, 0) - scatter(1, 1)), scatter(0, 1));
+    return std::sqrt(std::max(0.0, smaller_eigenvalue));
 }
 
 /// Points on one line of an image determine no model, however well they fit one.

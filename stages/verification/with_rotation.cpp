@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/verification/with_rotation.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/decompositions.h"
 #include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/verification/fit_two_view.h"
 
@@ -32,7 +33,7 @@ Eigen::Vector3d direction_for(std::span<const PointPair> points, const Eigen::Qu
             const double off = round == 0 ? 0.0 : normal.dot(direction) / options.loss_scale;
             scatter += normal * normal.transpose() / (1.0 + off * off);
         }
-        direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+        direction = eigensystem(scatter).vectors.col(0);
     }
     return direction;
 }

@@ -20,12 +20,13 @@
 #include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
 #include "stages/localisation/localise_photo.h"
+#include "storage/exchange/files/json_text.h"
 #include "storage/session/session_store.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
-#include "tools/report/json_text.h"
+#include "tools/report/json_array.h"
 
 namespace psfm {
 namespace {
@@ -281,7 +282,7 @@ int run_localise(const LocaliseArguments& arguments) {
     }
     if (arguments.json) {
         const Json json{{"photos", std::move(all)}};
-        std::cout << json.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
+        std::cout << json_text(json, 1) << '\n';
     } else {
         std::cout << localised << " of " << photos.size() << " localised\n";
     }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
 #include "tools/report/report_page.h"
 #include "tools/report/status_json.h"
 
@@ -127,7 +128,7 @@ std::string report_json(const ReportFacts& facts, const ReportOptions& options) 
     }
     ordered_json images = ordered_json::array();
     for (const ImageFact& fact : facts.session.facts)
-        images.push_back(ordered_json::parse(image_json(fact)));
+        images.push_back(parse_ordered_json(image_json(fact)));
     const ordered_json report{
         {"images", counts.images},
         {"placed", counts.placed},
@@ -150,10 +151,10 @@ std::string report_json(const ReportFacts& facts, const ReportOptions& options) 
         {"edges", std::move(edges)},
         {"positions", positions_json(facts, options)},
         {"versions", history_json(facts)},
-        {"weak_models", ordered_json::parse(weak_models_json(facts.session.summary))},
+        {"weak_models", parse_ordered_json(weak_models_json(facts.session.summary))},
         {"times", times_json(options)},
         {"image_list", std::move(images)}};
-    return report.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    return json_text(report, 1) + "\n";
 }
 
 }  // namespace psfm

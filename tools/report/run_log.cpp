@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "storage/exchange/files/json_text.h"
+
 namespace psfm {
 namespace {
 
@@ -43,7 +45,7 @@ Result<RunTimes> read_run_log(const std::filesystem::path& file) {
     std::vector<double> latencies;
     std::string text;
     while (std::getline(stream, text)) {
-        const json line = json::parse(text, nullptr, false);
+        const json line = parse_json(text);
         if (!line.is_object()) continue;
         const auto event = line.find("event");
         if (event == line.end() || !event->is_string()) continue;

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
+
 namespace psfm {
 namespace {
 
@@ -39,7 +41,7 @@ void write_run_state(const fs::path& session, const RunState& state) {
     const fs::path part = session / (std::string(kName) + ".part");
     {
         std::ofstream file(part, std::ios::trunc);
-        file << object.dump() << '\n';
+        file << json_text(object) << '\n';
         if (!file.flush()) return;
     }
     std::error_code ignored;
@@ -54,7 +56,8 @@ void remove_run_state(const fs::path& session) {
 std::optional<RunState> read_run_state(const fs::path& session) {
     std::ifstream file(session / kName);
     if (!file) return std::nullopt;
-    const auto object = nlohmann::json::parse(file, nullptr, false);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    const auto object = parse_json(text);
     if (!object.is_object()) return std::nullopt;
     try {
         RunState state;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "scheduler/report/camera_report.h"
-#include "tools/report/json_text.h"
+#include "storage/exchange/files/json_text.h"
 
 namespace psfm {
 namespace {
@@ -99,11 +99,11 @@ ordered_json json_of(const RunState& state) {
 }  // namespace
 
 std::string image_json(const ImageFact& fact) {
-    return text_of(json_of(fact));
+    return json_text(json_of(fact));
 }
 
 std::string weak_models_json(const SceneSummary& summary) {
-    return text_of(weak_models_of(summary));
+    return json_text(weak_models_of(summary));
 }
 
 std::string status_json(const SessionFacts& facts, const std::optional<DatumFact>& datum,
@@ -120,27 +120,27 @@ std::string status_json(const SessionFacts& facts, const std::optional<DatumFact
     }
     ordered_json images = ordered_json::array();
     for (const ImageFact& fact : facts.facts) images.push_back(json_of(fact));
-    return text_of(ordered_json{{"images", counts.images},
-                                {"placed", counts.placed},
-                                {"waiting", counts.waiting},
-                                {"rejected", counts.rejected},
-                                {"clusters", counts.clusters},
-                                {"effective_clusters", counts.effective_clusters},
-                                {"version", counts.version},
-                                {"resets", counts.resets},
-                                {"solves_new", counts.solves_new},
-                                {"solves_extend", counts.solves_extend},
-                                {"solves_transfer", counts.solves_transfer},
-                                {"solves_settle", counts.solves_settle},
-                                {"solves_skipped", counts.solves_skipped},
-                                {"solves_coalesced", counts.solves_coalesced},
-                                {"cameras", cameras_of(facts)},
-                                {"datum", std::move(where)},
-                                {"events", std::move(events)},
-                                {"waiting_reasons", waiting_reasons_of(facts)},
-                                {"weak_models", weak_models_of(facts.summary)},
-                                {"running", running ? json_of(*running) : ordered_json()},
-                                {"image_list", std::move(images)}});
+    return json_text(ordered_json{{"images", counts.images},
+                                  {"placed", counts.placed},
+                                  {"waiting", counts.waiting},
+                                  {"rejected", counts.rejected},
+                                  {"clusters", counts.clusters},
+                                  {"effective_clusters", counts.effective_clusters},
+                                  {"version", counts.version},
+                                  {"resets", counts.resets},
+                                  {"solves_new", counts.solves_new},
+                                  {"solves_extend", counts.solves_extend},
+                                  {"solves_transfer", counts.solves_transfer},
+                                  {"solves_settle", counts.solves_settle},
+                                  {"solves_skipped", counts.solves_skipped},
+                                  {"solves_coalesced", counts.solves_coalesced},
+                                  {"cameras", cameras_of(facts)},
+                                  {"datum", std::move(where)},
+                                  {"events", std::move(events)},
+                                  {"waiting_reasons", waiting_reasons_of(facts)},
+                                  {"weak_models", weak_models_of(facts.summary)},
+                                  {"running", running ? json_of(*running) : ordered_json()},
+                                  {"image_list", std::move(images)}});
 }
 
 }  // namespace psfm

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/pages.h"
 #include "tools/serve/sha256.h"
@@ -199,17 +200,16 @@ HttpPlan Api::plan_login(const HttpRequest& head) {
     HttpPlan plan;
     plan.most_body = kMostJson;
     plan.work = [this, attributes](const HttpRequest& request) {
-        const auto object = nlohmann::json::parse(request.body, nullptr, false);
+        const auto object = parse_json(request.body);
         if (!object.is_object() || !object.contains("token") || !object["token"].is_string())
             return problem(400, "a token is wanted");
         HttpRequest with_token = request;
         with_token.headers["authorization"] = "Bearer " + object["token"].get<std::string>();
         const auto caller = caller_of(with_token);
         if (!caller) return refuse_caller(with_token, "the link has expired, or was never one");
-        HttpResponse response = json_response(
-            200,
-            nlohmann::ordered_json{{"name", caller->name}, {"role", role_name(caller->role)}}.dump(
-                -1, ' ', false, nlohmann::json::error_handler_t::replace));
+        HttpResponse response =
+            json_response(200, json_text(nlohmann::ordered_json{
+                                   {"name", caller->name}, {"role", role_name(caller->role)}}));
         response.headers.emplace_back("Set-Cookie", std::string(kCookie) + "=" +
                                                         object["token"].get<std::string>() +
                                                         "; Max-Age=31536000" + attributes);

@@ -5,7 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tools/report/json_text.h"
+#include "storage/exchange/files/json_text.h"
 #include "tools/serve/api.h"
 #include "tools/serve/sha256.h"
 #include "tools/serve/uploads/title.h"
@@ -86,7 +86,8 @@ HttpResponse Api::mine(const User& user) const {
         entry["advice"] = fact == by_name.end() ? "" : fact->second.advice;
         photographs.push_back(std::move(entry));
     }
-    return json_response(200, text_of({{"photographs", std::move(photographs)}}));
+    return json_response(
+        200, json_text(nlohmann::ordered_json{{"photographs", std::move(photographs)}}));
 }
 
 }  // namespace psfm

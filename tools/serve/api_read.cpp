@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/session/photo_folders.h"
-#include "tools/report/json_text.h"
+#include "storage/exchange/files/json_text.h"
 #include "tools/report/residuals.h"
 #include "tools/serve/api.h"
 #include "tools/serve/gzip.h"
@@ -143,8 +143,9 @@ HttpResponse Api::point(std::uint32_t cluster, std::uint32_t slot) const {
             if (point.track.front() != *key) continue;
             ordered_json images = ordered_json::array();
             for (const Observation& seen : point.track) images.push_back(index_of(seen.image));
-            return json_response(
-                200, text_of({{"images", std::move(images)}, {"error_px", point.error_px}}));
+            return json_response(200,
+                                 json_text(nlohmann::ordered_json{{"images", std::move(images)},
+                                                                  {"error_px", point.error_px}}));
         }
     }
     return problem(404, "there is no such point any more");
@@ -187,7 +188,8 @@ HttpResponse Api::image(std::uint32_t image) const {
                                 {"cluster", index_of(cluster->id)},
                                 {"slot", slot ? ordered_json(*slot) : ordered_json()}});
     }
-    return json_response(200, text_of({{"observations", std::move(observations)}}));
+    return json_response(
+        200, json_text(nlohmann::ordered_json{{"observations", std::move(observations)}}));
 }
 
 HttpResponse Api::pair(std::uint32_t first, std::uint32_t second) const {
@@ -210,7 +212,8 @@ HttpResponse Api::pair(std::uint32_t first, std::uint32_t second) const {
             const Keypoint& two = (**b)[match.second];
             matches.push_back({{"x1", one.x}, {"y1", one.y}, {"x2", two.x}, {"y2", two.y}});
         }
-        return json_response(200, text_of({{"matches", std::move(matches)}}));
+        return json_response(200,
+                             json_text(nlohmann::ordered_json{{"matches", std::move(matches)}}));
     }
     return problem(404, "there is no such pair");
 }

@@ -8,6 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "storage/exchange/files/json_text.h"
+
 namespace psfm {
 namespace {
 
@@ -104,8 +106,7 @@ HttpResponse problem(unsigned status, const std::string& detail) {
     response.status = status;
     response.headers = {{"Content-Type", "application/problem+json"},
                         {"Cache-Control", "no-store"}};
-    response.body = std::make_shared<const std::string>(
-        object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    response.body = std::make_shared<const std::string>(json_text(object) + "\n");
     return response;
 }
 

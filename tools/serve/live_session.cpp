@@ -9,7 +9,7 @@
 #include <random>
 
 #include "scheduler/report/event_log.h"
-#include "tools/report/json_text.h"
+#include "storage/exchange/files/json_text.h"
 #include "tools/report/status_json.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/wire.h"
@@ -80,9 +80,9 @@ LiveSession::~LiveSession() {
 void LiveSession::on_publish(const PublishMessage& publish) {
     for (const SessionEvent& event : publish.events) {
         if (event.kind == SessionEvent::Kind::kSolve) continue;  // of every image
-        events_->publish("event", text_of({{"image", publish.counts.images},
-                                           {"event", name_of(event.kind)},
-                                           {"text", event.text}}));
+        events_->publish("event", json_text(nlohmann::ordered_json{{"image", publish.counts.images},
+                                                                   {"event", name_of(event.kind)},
+                                                                   {"text", event.text}}));
     }
     if (publish.scene) return on_version(publish.scene);
     // A rejected photograph makes no version, and its sender waits to hear of it.
@@ -263,17 +263,18 @@ void LiveSession::tell_change(const ScenePtr& scene, const SessionFacts& facts,
         scene_ = scene;
     }
     const SessionCounts& counts = facts.summary.counts;
-    ordered_json weak = ordered_json::parse(weak_models_json(facts.summary));
-    events_->publish("version", text_of({{"version", counts.version},
-                                         {"images", counts.images},
-                                         {"placed", counts.placed},
-                                         {"waiting", counts.waiting},
-                                         {"rejected", counts.rejected},
-                                         {"clusters", counts.clusters},
-                                         {"effective_clusters", counts.effective_clusters},
-                                         {"change", number},
-                                         {"bytes", bytes},
-                                         {"weak_models", std::move(weak)}}));
+    ordered_json weak = parse_ordered_json(weak_models_json(facts.summary));
+    events_->publish("version", json_text(nlohmann::ordered_json{
+                                    {"version", counts.version},
+                                    {"images", counts.images},
+                                    {"placed", counts.placed},
+                                    {"waiting", counts.waiting},
+                                    {"rejected", counts.rejected},
+                                    {"clusters", counts.clusters},
+                                    {"effective_clusters", counts.effective_clusters},
+                                    {"change", number},
+                                    {"bytes", bytes},
+                                    {"weak_models", std::move(weak)}}));
 }
 
 void LiveSession::tell_hints(const std::vector<Hint>& hints) {
@@ -282,7 +283,7 @@ void LiveSession::tell_hints(const std::vector<Hint>& hints) {
         told.push_back(
             {{"kind", hint_name(hint.kind)}, {"image", index_of(hint.image)}, {"text", hint.text}});
     }
-    events_->publish("hint", text_of(told));
+    events_->publish("hint", json_text(told));
 }
 
 void LiveSession::tell_images(const std::vector<ImageFact>& facts, std::uint64_t number) {
@@ -301,7 +302,7 @@ void LiveSession::tell_images(const std::vector<ImageFact>& facts, std::uint64_t
 LiveSession::Bytes LiveSession::session(const std::string& me, const std::string& role) const {
     const std::lock_guard lock(mutex_);
     if (session_.empty()) return {};
-    const std::string who = text_of({{"name", me}, {"role", role}});
+    const std::string who = json_text(nlohmann::ordered_json{{"name", me}, {"role", role}});
     Bytes& bytes = sessions_[who];
     if (!bytes.plain) {
         std::string text = session_ + ",\"me\":" + who + "}";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
 #include "tools/report/status_json.h"
 #include "tools/report/up_direction.h"
 #include "tools/serve/pages.h"
@@ -84,7 +85,7 @@ std::string session_json(const PageSession& session) {
                         {"effective_clusters", counts.effective_clusters},
                         {"version", counts.version}}},
                       {"cameras", std::move(cameras)},
-                      {"weak_models", ordered_json::parse(weak_models_json(facts.summary))},
+                      {"weak_models", parse_ordered_json(weak_models_json(facts.summary))},
                       {"events", std::move(events)},
                       {"versions", versions_json(facts)},
                       {"hints", std::move(hints)},
@@ -93,7 +94,7 @@ std::string session_json(const PageSession& session) {
                       {"up", {up.x(), up.y(), up.z()}},
                       {"licence", page_file("three.LICENSE")}};
     if (!session.me.empty()) page["me"] = {{"name", session.me}, {"role", session.role}};
-    std::string text = page.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+    std::string text = json_text(page);
     text.pop_back();
     return text + ",\"image_list\":" + images_text(session) + ",\"edges\":" + edges_text(session) +
            "}";

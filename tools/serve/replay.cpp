@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/serve/replay.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "stages/algorithms/math/decompositions.h"
 #include "tools/serve/wire.h"
 
 namespace psfm {
@@ -58,10 +59,9 @@ std::optional<Sim3> today_from(const Poses& then, const Poses& today) {
         spread_today += (to - mean_today).norm();
     }
     if (!(spread_then > 0.0) || !(spread_today > 0.0)) return std::nullopt;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(turns);
     Sim3 place;
     place.scale = spread_today / spread_then;
-    place.rotation = Eigen::Quaterniond(Eigen::Vector4d(solver.eigenvectors().col(3)));
+    place.rotation = Eigen::Quaterniond(Eigen::Vector4d(eigensystem(turns).vectors.col(3)));
     place.translation = mean_today - place.scale * (place.rotation * mean_then);
     return place;
 }

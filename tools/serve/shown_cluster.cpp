@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "stages/algorithms/math/median.h"
+#include "stages/evaluation/fit_similarity.h"
 #include "tools/serve/wire.h"
 
 namespace psfm {
@@ -90,18 +91,14 @@ Sim3 robust_similarity(std::span<const std::pair<Eigen::Vector3d, Eigen::Vector3
     Sim3 best;
     for (int round = 0; round < 3; ++round) {
         if (used.size() < 3) return best;
-        Eigen::Matrix3Xd source(3, used.size()), target(3, used.size());
-        for (std::size_t i = 0; i < used.size(); ++i) {
-            source.col(static_cast<Eigen::Index>(i)) = used[i].first;
-            target.col(static_cast<Eigen::Index>(i)) = used[i].second;
+        std::vector<Eigen::Vector3d> source, target;
+        for (const auto& [from, to] : used) {
+            source.push_back(from);
+            target.push_back(to);
         }
-        const Eigen::Matrix4d fit = Eigen::umeyama(source, target, true);
-        const Eigen::Matrix3d scaled = fit.topLeftCorner<3, 3>();
-        const double scale = std::cbrt(scaled.determinant());
-        if (!(scale > 0.0) || !fit.allFinite()) return best;
-        best.scale = scale;
-        best.rotation = Eigen::Quaterniond(Eigen::Matrix3d(scaled / scale)).normalized();
-        best.translation = fit.topRightCorner<3, 1>();
+        const auto fit = fit_similarity(source, target);
+        if (!fit.ok()) return best;  // Expected: points that coincide say nothing of a frame
+        best = fit->target_from_source;
         std::vector<double> distances;
         for (const auto& [from, to] : source_target) distances.push_back((best * from - to).norm());
         const double limit = 3.0 * upper_median(distances);

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
 #include "tools/serve/sha256.h"
 
 namespace psfm {
@@ -89,7 +90,8 @@ Result<void> Users::read() const {
     const auto damaged = [&]() -> Error {
         return {ErrorCode::kDamaged, file_.string() + " is damaged; remove it and add users again"};
     };
-    const auto object = ordered_json::parse(stream, nullptr, false);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    const auto object = parse_ordered_json(text);
     if (!object.is_object() || !object.contains("users")) return damaged();
     std::vector<User> users;
     try {
@@ -125,9 +127,7 @@ Result<void> Users::write() const {
                         {"removed", user.removed},
                         {"since", user.since}});
     }
-    const std::string text = ordered_json{{"users", std::move(list)}}.dump(
-                                 1, ' ', false, ordered_json::error_handler_t::replace) +
-                             "\n";
+    const std::string text = json_text(ordered_json{{"users", std::move(list)}}, 1) + "\n";
     const std::string part = file_.string() + ".part";
     constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
     const int descriptor =

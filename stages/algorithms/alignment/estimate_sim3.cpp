@@ -3,8 +3,10 @@
 #include "stages/algorithms/alignment/estimate_sim3.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 
@@ -44,17 +46,16 @@ Result<Sim3> estimate_sim3(std::span<const Eigen::Vector3d> source,
         covariance += weight_of(k) * (target[k] - target_mean) * from_mean.transpose();
         source_variance += weight_of(k) * from_mean.squaredNorm();
     }
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Eigen::Vector3d& values = svd.singularValues();
+    const SingularValues svd = singular_values(covariance);
+    const Eigen::Vector3d& values = svd.values;
     // Guard: the second value vanishes when either side is a line or a point.
     constexpr double kLine = 1e-10;
     if (!(values[1] > kLine * values[0])) {
         return Error{ErrorCode::kDegenerate, "similarity: the points lie on one line"};
     }
     Eigen::Vector3d signs = Eigen::Vector3d::Ones();
-    if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs[2] = -1.0;
-    const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    if (svd.u.determinant() * svd.v.determinant() < 0.0) signs[2] = -1.0;
+    const Eigen::Matrix3d rotation = svd.u * signs.asDiagonal() * svd.v.transpose();
     Sim3 target_from_source;
     target_from_source.rotation = Eigen::Quaterniond(rotation).normalized();
     target_from_source.scale = values.dot(signs) / source_variance;

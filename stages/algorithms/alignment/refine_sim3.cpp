@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/alignment/refine_sim3.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -150,7 +151,7 @@ Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_
     for (int iteration = 0; iteration < kMaxIterations && damping < 1e6; ++iteration) {
         Square damped = system.information;
         damped.diagonal() *= 1.0 + damping;
-        const Step step = -damped.ldlt().solve(system.gradient);
+        const Step step = -solve_symmetric(damped, system.gradient);
         if (!step.allFinite()) break;
         const Sim3 candidate = moved(refined, step);
         const System next = linearize(terms, candidate, loss_scale);

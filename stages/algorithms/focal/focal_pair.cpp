@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/focal/focal_pair.h"
 
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 
@@ -16,7 +17,7 @@ Eigen::Matrix3d FocalEnd::intrinsic(const Eigen::VectorXd& log_focals) const {
 double essential_defect(const FocalPair& pair, const Eigen::VectorXd& log_focals) {
     const Eigen::Matrix3d essential =
         pair.end2.intrinsic(log_focals) * pair.fundamental * pair.end1.intrinsic(log_focals);
-    const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3d>(essential).singularValues();
+    const Eigen::Vector3d s = singular_values(essential).values;
     return (s[0] - s[1]) / (s[0] + s[1]);
 }
 

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/focal/refine_focals.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "stages/algorithms/math/decompositions.h"
 #include "stages/algorithms/two_view/decompose_two_view.h"
 #include "stages/algorithms/two_view/refine_two_view.h"
 
@@ -109,10 +109,12 @@ System linearize(std::span<const FocalPair> pairs, const FocalEstimate& estimate
         pose_block.diagonal() += damping * pose_block.diagonal() +
                                  Vector5d::Constant(1e-9 * pose_block.trace() + 1e-300);
         const Matrix52d cross = normal.topRightCorner<5, 2>();
-        const Eigen::LDLT<Matrix5d> factor(pose_block);
         PoseStep& step = system.steps[i];
-        step.alone = -factor.solve(gradient.head<5>());
-        step.by_focals = -factor.solve(cross);
+        Eigen::Matrix<double, 5, 3> right;
+        right << gradient.head<5>(), cross;
+        const SmallMatrix solved = solve_symmetric(pose_block, right);
+        step.alone = -solved.col(0);
+        step.by_focals = -solved.rightCols<2>();
         const Eigen::Matrix2d reduced =
             normal.bottomRightCorner<2, 2>() + cross.transpose() * step.by_focals;
         const Eigen::Vector2d reduced_gradient =
@@ -182,8 +184,9 @@ FocalEstimate refine_focals(std::span<const FocalPair> pairs, FocalEstimate star
         const System system = linearize(pairs, estimate, expectation, options, damping);
         Eigen::MatrixXd damped = system.information;
         damped.diagonal() *= 1.0 + damping;
-        const Eigen::VectorXd step =
-            (-damped.ldlt().solve(system.gradient)).cwiseMin(kLargestStep).cwiseMax(-kLargestStep);
+        const Eigen::VectorXd step = (-solve_large_symmetric(damped, system.gradient))
+                                         .cwiseMin(kLargestStep)
+                                         .cwiseMax(-kLargestStep);
         if (!step.allFinite()) break;
         FocalEstimate next = moved(pairs, estimate, system, step);
         const double cost = total_cost(pairs, next, expectation, options);
@@ -199,7 +202,7 @@ FocalEstimate refine_focals(std::span<const FocalPair> pairs, FocalEstimate star
     const System system = linearize(pairs, estimate, expectation, options, 0.0);
     const Eigen::Index count = estimate.log_focals.size();
     const Eigen::MatrixXd covariance =
-        system.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+        solve_large_symmetric(system.information, Eigen::MatrixXd::Identity(count, count));
     estimate.uncertainty = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     return estimate;
 }

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/pose/pair_direction.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "stages/algorithms/math/decompositions.h"
 #include "stages/algorithms/math/median.h"
 
 namespace psfm {
@@ -37,8 +37,7 @@ Eigen::Vector3d refit(const std::vector<Eigen::Vector3d>& normals,
         const double root = 1.0 / (1.0 + ratio * ratio);
         scatter.noalias() += root * root * normal * normal.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-    return solver.eigenvectors().col(0);
+    return eigensystem(scatter).vectors.col(0);
 }
 
 /// Points in front of both cameras less those behind one of them.

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/pose/triangulation.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 
@@ -21,8 +23,7 @@ std::optional<Eigen::Vector3d> triangulate(std::span<const View> views) {
         const Eigen::Matrix<double, 3, 4> across = p - ray * (ray.transpose() * p);
         normal.noalias() += across.transpose() * across;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(normal);
-    const Eigen::Vector4d homogeneous = solver.eigenvectors().col(0);
+    const Eigen::Vector4d homogeneous = eigensystem(normal).vectors.col(0);
     if (std::abs(homogeneous.w()) < 1e-12 * homogeneous.head<3>().norm()) return std::nullopt;
     const Eigen::Vector3d point = homogeneous.hnormalized();
     for (const View& view : views) {

@@ -3,13 +3,14 @@
 #include "stages/algorithms/two_view/decompose_two_view.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
 #include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/decompositions.h"
 #include "stages/algorithms/math/median.h"
 
 namespace psfm {
@@ -23,10 +24,9 @@ Eigen::Matrix3d proper(const Eigen::Matrix3d& m) {
 }  // namespace
 
 std::vector<Rigid3> poses_from_essential(const Eigen::Matrix3d& essential) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential,
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Eigen::Matrix3d u = proper(svd.matrixU());
-    const Eigen::Matrix3d v = proper(svd.matrixV());
+    const SingularValues svd = singular_values(essential);
+    const Eigen::Matrix3d u = proper(svd.u);
+    const Eigen::Matrix3d v = proper(svd.v);
     Eigen::Matrix3d w;
     w << 0, -1, 0, 1, 0, 0, 0, 0, 1;
     const Eigen::Quaterniond first(Eigen::Matrix3d(u * w * v.transpose()));
@@ -61,9 +61,8 @@ std::vector<Rigid3> poses_from_homography(const Eigen::Matrix3d& h) {
 }
 
 Eigen::Quaterniond rotation_from_homography(const Eigen::Matrix3d& h) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(proper(h),
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    return Eigen::Quaterniond(proper(svd.matrixU() * svd.matrixV().transpose())).normalized();
+    const SingularValues svd = singular_values(proper(h));
+    return Eigen::Quaterniond(proper(svd.u * svd.v.transpose())).normalized();
 }
 
 RayMeeting meet(const Rigid3& cam2_from_cam1, const PointPair& points) {

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/two_view/refine_two_view.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -81,7 +82,7 @@ Model minimize(std::span<const PointPair> points, Model model, const RefineOptio
         Square normal = j.transpose() * system.information * j;
         const Step gradient = j.transpose() * system.gradient;
         normal.diagonal() += damping * normal.diagonal() + Step::Constant(1e-12 * normal.trace());
-        const Step step = -normal.ldlt().solve(gradient);
+        const Step step = -solve_symmetric(normal, gradient);
         if (!step.allFinite()) break;
         const Model candidate = model.moved(step);
         const SampsonSystem next =
@@ -148,11 +149,11 @@ Rigid3 refine_relative_pose(std::span<const PointPair> points, const IntrinsicPa
 
 Eigen::Matrix3d refine_fundamental(std::span<const PointPair> points, const Eigen::Matrix3d& f,
                                    const RefineOptions& options) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const SingularValues svd = singular_values(f);
     FundamentalModel start;
-    start.f.u = svd.matrixU();
-    start.f.v = svd.matrixV();
-    start.f.ratio = svd.singularValues()[1] / svd.singularValues()[0];
+    start.f.u = svd.u;
+    start.f.v = svd.v;
+    start.f.ratio = svd.values[1] / svd.values[0];
     return minimize(points, start, options).matrix().normalized();
 }
 

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/geo/fit_to_positions.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "stages/algorithms/math/cauchy.h"
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -150,7 +151,7 @@ Sim3 fit_to_positions(std::span<const LocatedCamera> cameras, const Gravity* gra
         Matrix7 damped = normal.matrix;
         // The floor keeps a turn that nothing determines where it is.
         damped.diagonal() += damping * (normal.matrix.diagonal() + Vector7::Constant(1e-6));
-        const Vector7 change = -damped.ldlt().solve(normal.gradient);
+        const Vector7 change = -solve_symmetric(damped, normal.gradient);
         if (!change.allFinite()) break;
         const Sim3 next = moved(sim, mean, change);
         const double next_cost = position_cost(cameras, gravity, next, options);

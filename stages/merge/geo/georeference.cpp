@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/geo/georeference.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +13,7 @@
 
 #include "stages/algorithms/alignment/estimate_sim3.h"
 #include "stages/algorithms/math/cauchy.h"
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -138,8 +139,7 @@ bool spread_in_a_plane(std::span<const LocatedCamera> cameras, const Sim3& sim,
         const Eigen::Vector3d arm = sim * camera.centre - mean;
         scatter += arm * arm.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter, Eigen::EigenvaluesOnly);
-    return eigen.eigenvalues()[1] >=
+    return eigensystem(scatter).values[1] >=
            squared(options.horizontal_sigma_m / options.max_heading_sigma);
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/geo/gravity.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +10,7 @@
 
 #include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/cauchy.h"
+#include "stages/algorithms/math/decompositions.h"
 
 namespace psfm {
 namespace {
@@ -71,14 +72,14 @@ std::optional<Gravity> estimate_gravity(std::span<const OrientedCamera> cameras,
     }
     const double roll_sigma = options.roll_sigma_deg * kRadiansPerDegree;
     const double pitch_sigma = options.pitch_sigma_deg * kRadiansPerDegree;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+    Eigensystem<3> eigen;
     // From wide to narrow, so that the start decides nothing but the sign.
     Eigen::Vector3d up = mean_up.norm() > 0.0 ? mean_up.normalized() : all.front().up;
     // Guard: ends the loop; at its own width the scatter settles.
     constexpr std::array<double, 9> kWiden{16.0, 8.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0};
     for (const double widen : kWiden) {
-        eigen.compute(scatter(all, up, roll_sigma * widen, pitch_sigma * widen));
-        const Eigen::Vector3d found = eigen.eigenvectors().col(0);
+        eigen = eigensystem(scatter(all, up, roll_sigma * widen, pitch_sigma * widen));
+        const Eigen::Vector3d found = eigen.vectors.col(0);
         up = found.dot(up) < 0.0 ? Eigen::Vector3d(-found) : found;
     }
     Gravity gravity;
@@ -89,9 +90,9 @@ std::optional<Gravity> estimate_gravity(std::span<const OrientedCamera> cameras,
     const double most = 1.0 / squared(options.min_sigma_deg * kRadiansPerDegree);
     gravity.information.setZero();
     for (const int axis : {1, 2}) {
-        const Eigen::Vector3d direction = eigen.eigenvectors().col(axis);
+        const Eigen::Vector3d direction = eigen.vectors.col(axis);
         gravity.information +=
-            std::min(eigen.eigenvalues()[axis], most) * direction * direction.transpose();
+            std::min(eigen.values[axis], most) * direction * direction.transpose();
     }
     return gravity;
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/adjust/thin_points.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -42,9 +42,8 @@ class PointRefiner {
         Eigen::Vector3d position = start;
         PointSystem system = linearize(track, position);
         for (int step = 0; step < kSteps; ++step) {
-            const Eigen::LDLT<Eigen::Matrix3d> factors(system.normal);
-            if (factors.info() != Eigen::Success || !factors.isPositive()) break;
-            const Eigen::Vector3d moved = position - factors.solve(system.gradient);
+            if (!(system.normal.determinant() > 0.0)) break;
+            const Eigen::Vector3d moved = position - system.normal.inverse() * system.gradient;
             if (!moved.allFinite()) break;
             const PointSystem next = linearize(track, moved);
             if (!(next.cost < system.cost)) break;

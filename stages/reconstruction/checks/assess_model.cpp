@@ -3,7 +3,7 @@
 #include "stages/reconstruction/checks/assess_model.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/decompositions.h"
 #include "stages/algorithms/math/median.h"
 #include "stages/algorithms/math/union_find.h"
 #include "stages/algorithms/pose/triangulation.h"
@@ -135,7 +136,7 @@ const Camera& camera_of(const Reconstruction& model, ImageId image) {
 bool is_turn(const TwoViewGeometry& geometry, const Camera& camera1, const Camera& camera2,
              double max_stretch) {
     const Eigen::Matrix3d between = camera2.matrix().inverse() * geometry.matrix * camera1.matrix();
-    const Eigen::Vector3d stretches = Eigen::JacobiSVD<Eigen::Matrix3d>(between).singularValues();
+    const Eigen::Vector3d stretches = singular_values(between).values;
     return stretches[0] <= (1.0 + max_stretch) * stretches[2];
 }
 

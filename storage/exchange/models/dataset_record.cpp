@@ -5,6 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
+
 namespace psfm {
 namespace {
 
@@ -83,7 +85,7 @@ std::string dataset_record_text(const DatasetRecord& record) {
                                       {"bytes", picture.bytes},
                                       {"mask_hash", picture.mask_hash}};
     }
-    return json.dump(0, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json, 0) + "\n";
 }
 
 }  // namespace psfm

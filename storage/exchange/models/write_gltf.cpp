@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "storage/exchange/files/json_text.h"
 #include "storage/exchange/models/dataset_model.h"
 #include "storage/exchange/models/write_formats.h"
 
@@ -131,7 +132,7 @@ Result<void> stage_gltf(const ExportedModel& model, const std::filesystem::path&
     if (!cameras.empty()) gltf["cameras"] = std::move(cameras);
 
     // Names are labels here, so what is not UTF-8 may become U+FFFD.
-    const std::string text = gltf.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text = json_text(gltf, 1) + "\n";
     if (!model.points.empty()) {
         auto written = files.write(place.string() + ".bin",
                                    [&](OutputFile& file) { write_points(model, origin, file); });

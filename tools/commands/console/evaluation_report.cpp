@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "storage/exchange/files/json_text.h"
+
 namespace psfm {
 namespace {
 
@@ -108,7 +110,7 @@ std::string to_json(const EvaluationReport& report) {
         }
     }
     // File names need not be UTF-8: what is not becomes U+FFFD.
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return json_text(json, 2) + '\n';
 }
 
 std::string to_table(const EvaluationReport& report) {

@@ -10,9 +10,10 @@
 #include "stages/algorithms/math/angles.h"
 #include "stages/merge/geo/earth_frame.h"
 #include "stages/merge/geo/gravity.h"
+#include "storage/exchange/files/json_text.h"
 #include "storage/exchange/models/export_models.h"
 #include "tools/commands/exchange/geo_report.h"
-#include "tools/report/json_text.h"
+#include "tools/report/json_array.h"
 #include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {
@@ -87,7 +88,7 @@ std::string georeference_json(const WorldReference& reference, std::span<const G
         }
         json["parts"].push_back(std::move(item));
     }
-    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json, 1) + "\n";
 }
 
 std::string shots_geojson(const WorldReference& reference, std::span<const GeoPart> parts) {
@@ -118,7 +119,7 @@ std::string shots_geojson(const WorldReference& reference, std::span<const GeoPa
         }
     }
     const Json json{{"type", "FeatureCollection"}, {"features", std::move(features)}};
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json) + "\n";
 }
 
 }  // namespace

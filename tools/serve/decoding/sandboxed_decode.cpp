@@ -16,6 +16,7 @@
 
 #include "stages/features/photographs/read_file_bytes.h"
 #include "stages/features/photographs/read_photo.h"
+#include "storage/exchange/files/json_text.h"
 #include "tools/serve/decoding/decoder_forks.h"
 #include "tools/serve/decoding/sandbox.h"
 
@@ -109,7 +110,7 @@ Result<ExtractedPhoto> parse(const std::string& output, const std::string& name)
     if (!output.starts_with(kMagic)) return strange;
     const std::size_t length = number();
     if (length > output.size() - at) return strange;
-    const json head = json::parse(std::string_view(output).substr(at, length), nullptr, false);
+    const json head = parse_json(std::string_view(output).substr(at, length));
     at += length;
     if (!head.is_object()) return strange;
     try {
@@ -182,7 +183,7 @@ int sandboxed_extract(const PhotoFile& photo, const FeatureOptions& options) {
         head = {{"error", extracted.error().message},
                 {"code", static_cast<int>(extracted.error().code)}};
     }
-    const std::string text = head.dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::string text = json_text(head);
     append_u32(bytes, text.size());
     bytes += text;
     if (extracted.ok()) {

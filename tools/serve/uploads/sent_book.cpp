@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "storage/exchange/files/json_text.h"
 #include "tools/serve/sha256.h"
 
 namespace psfm {
@@ -15,7 +16,7 @@ using nlohmann::ordered_json;
 
 /// Between line ends, so that one that was broken off spoils itself alone.
 std::string framed(const ordered_json& line) {
-    return "\n" + line.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    return "\n" + json_text(line) + "\n";
 }
 
 }  // namespace
@@ -45,7 +46,7 @@ std::string SentBook::line_of_removal(std::uint32_t user, const std::string& sha
 
 void SentBook::take(const std::string& line,
                     const std::function<std::uint64_t(const std::string& file)>& bytes_of) {
-    const auto said = nlohmann::json::parse(line, nullptr, false);
+    const auto said = parse_json(line);
     if (!said.is_object()) return;
     try {
         const auto user = said.at("user").get<std::uint32_t>();
