@@ -150,6 +150,7 @@ constexpr auto kSolvingOptions = std::to_array<NamedOption>({
     PSFM_OPTION(solve.places.min_expected, 1, kCount, "points that two images are expected to share before they are compared", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.min_images, 1, kCount, "images of a place", "ours"),
     PSFM_OPTION(solve.places.min_track, 2, kCount, "images that have seen a point before others are expected to", "not tuned"),
+    PSFM_OPTION(solve.places.min_within, 0, 1000, "such points within the smaller of two places, for each one between them", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.reached_rank, 1, kCount, "rank of the pair whose share counts for what an image reaches", "ours: one may be nearly a copy"),
     PSFM_OPTION(solve.places.same_between, 0.001, 0.999, "part of what is seen from both sides that speaks for one place, over the model's", "ours; docs/look-alikes.md"),
     PSFM_OPTION(solve.places.same_place, 0.001, 0.999, "part of the expected points that speaks for one place", "ours, on the simulated town and Strecha's scenes"),

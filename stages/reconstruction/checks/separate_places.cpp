@@ -144,9 +144,12 @@ struct Contradictions {
     double expected = 0.0;
     double shared = 0.0;
 
-    bool are_two_places(double shared_part, const PlaceOptions& options) const {
+    /// @param shared_part  of all that is seen from both sides
+    /// @param within  what is expected so within the smaller part
+    bool are_two_places(double shared_part, double within, const PlaceOptions& options) const {
         const bool is_fold = pairs >= options.min_contradictions &&
                              expected >= options.min_between &&
+                             within >= options.min_within * expected &&
                              shared < options.folded_between * shared_part * expected;
         return strangers >= options.min_contradictions || is_fold;
     }
@@ -170,7 +173,10 @@ std::set<std::uint32_t> contradicted(std::span<const std::uint32_t> part_of, con
         if (pair.shared_part() > options.max_shared_by_chance) continue;
         if (Contradictions* found = between_parts(pair.first, pair.second)) ++found->strangers;
     }
+    std::map<std::uint32_t, double> within;
     for (const SeenBetween& pair : between.pairs) {
+        if (part_of[pair.first] == part_of[pair.second])
+            within[part_of[pair.first]] += pair.expected;
         Contradictions* found = between_parts(pair.first, pair.second);
         if (found == nullptr) continue;
         ++found->pairs;
@@ -179,9 +185,10 @@ std::set<std::uint32_t> contradicted(std::span<const std::uint32_t> part_of, con
     }
     std::set<std::uint32_t> result;
     for (const auto& [parts, found] : by_parts) {
-        if (!found.are_two_places(between.shared_part, options)) continue;
-        result.insert(parts.first);
-        result.insert(parts.second);
+        const auto [first, second] = parts;
+        const std::uint32_t smaller = images[first] < images[second] ? first : second;
+        if (!found.are_two_places(between.shared_part, within[smaller], options)) continue;
+        result.insert({first, second});
     }
     return result;
 }

@@ -88,6 +88,24 @@ TEST(SeparatePlaces, StreetsWhereNobodyStandsBesideAnybodyAreTwo) {
     EXPECT_TRUE(separate_places(model, pairs, options).empty());
 }
 
+TEST(SeparatePlaces, APlaceHoldsTogetherByItself) {
+    const SyntheticScene scene = two_streets(kImages, 1.2, 2);
+    const Reconstruction model = synthetic::true_reconstruction(scene);
+    auto pairs = synthetic::make_verified_pairs(scene);
+    PlaceOptions options;
+    options.min_within = 0.3;
+    EXPECT_EQ(separate_places(model, pairs, options).size(), 2U);
+    // Of the second street, only images that follow each other have a pair.
+    std::erase_if(pairs, [](const VerifiedPairPtr& pair) {
+        const std::uint32_t first = index_of(pair->pair.first);
+        const std::uint32_t second = index_of(pair->pair.second);
+        return first % 2 == 1 && second % 2 == 1 && second - first > 2;
+    });
+    EXPECT_TRUE(separate_places(model, pairs, options).empty());
+    options.min_within = 0.0;
+    EXPECT_EQ(separate_places(model, pairs, options).size(), 2U);
+}
+
 TEST(SeparatePlaces, FewContradictionsAreNoFold) {
     const SyntheticScene scene = two_streets(kImages, 0.4, 2);
     PlaceOptions options;
