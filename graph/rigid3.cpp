@@ -15,4 +15,16 @@ double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
     return rotation_angle(a.conjugate() * b);
 }
 
+Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    const Eigen::Vector3d a = from.normalized();
+    const Eigen::Vector3d b = to.normalized();
+    const Eigen::Vector3d axis = a.cross(b);
+    const bool are_opposite = a.dot(b) < 0.0 && axis.norm() < 1e-12;
+    Eigen::Quaterniond rotation;
+    // 1 + cosine, which loses no digits where the two are nearly opposite.
+    rotation.w() = are_opposite ? 0.0 : 0.5 * (a + b).squaredNorm();
+    rotation.vec() = are_opposite ? a.unitOrthogonal() : axis;
+    return rotation.normalized();
+}
+
 }  // namespace psfm

@@ -36,4 +36,8 @@ double rotation_angle(const Eigen::Quaterniond& rotation);
 /// Angle between two rotations [rad], in [0, pi].
 double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 
+/// The least rotation that turns one direction into another; where they are opposite, half a turn
+/// about some axis across. REQUIRES: neither is zero
+Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 }  // namespace psfm

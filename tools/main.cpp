@@ -4,21 +4,13 @@
 #include <psfm_commit.h>
 #include <sys/resource.h>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
-#include <algorithm>
 #include <cerrno>
 #include <exception>
 #include <iostream>
 #include <opencv2/core/utils/logger.hpp>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
-#include "tools/commands/commands.h"
-#include "tools/commands/console/option_checks.h"
+#include "tools/commands/console/command_line.h"
 
 #ifdef PSFM_JEMALLOC
 #include <jemalloc/jemalloc.h>
@@ -36,73 +28,7 @@ const char* malloc_conf =
 
 namespace {
 
-/// Format: exit codes, as docs have them.
-constexpr int kUsageError = 2;
-constexpr int kUnexpectedError = 1;
-
-/// "help COMMAND" is "COMMAND --help".
-std::vector<std::string> words_of(int argc, char** argv) {
-    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
-    if (words.empty() || words.front() != "help") return words;
-    words.erase(words.begin());
-    words.emplace_back("--help");
-    return words;
-}
-
-int run(int argc, char** argv) {
-    CLI::App app{
-        "psfm: progressive Structure from Motion. Photographs in, camera poses and a sparse model "
-        "out, while "
-        "they arrive."};
-    app.footer(
-        "First steps:\n"
-        "  psfm run PHOTOS --session DIR\n"
-        "  psfm status --session DIR\n"
-        "  psfm export --session DIR --format colmap --output MODEL\n"
-        "psfm help COMMAND tells what a command does, and its options.\n"
-        "Exit codes: 0 done, 2 usage, 3 bad input, 4 session damaged, 1 anything else.");
-    app.set_version_flag("--version", PSFM_VERSION PSFM_COMMIT);
-    app.require_subcommand(1);
-    int exit_code = 0;
-    psfm::add_run_command(app, exit_code);
-    psfm::add_resume_command(app, exit_code);
-    psfm::add_import_command(app, exit_code);
-    psfm::add_status_command(app, exit_code);
-    psfm::add_report_command(app, exit_code);
-    psfm::add_view_command(app, exit_code);
-    psfm::add_serve_command(app, exit_code);
-    psfm::add_decode_photograph_command(app, exit_code);
-    psfm::add_export_command(app, exit_code);
-    psfm::add_localise_command(app, exit_code);
-    psfm::add_evaluate_command(app, exit_code);
-    psfm::add_check_command(app, exit_code);
-    psfm::add_repair_command(app, exit_code);
-    psfm::add_remove_command(app, exit_code);
-    psfm::add_compact_command(app, exit_code);
-    psfm::add_options_command(app, exit_code);
-    psfm::add_vocabulary_command(app, exit_code);
-    psfm::add_simulate_command(app, exit_code);
-    psfm::add_doctor_command(app, exit_code);
-    psfm::refuse_empty_values(app);
-    std::vector<std::string> words = words_of(argc, argv);
-    const auto is_asked = [&](const CLI::App* command) {
-        return command->check_name(words.front());
-    };
-    if (!words.empty() && !words.front().starts_with('-') &&
-        app.get_subcommands(is_asked).empty()) {
-        std::cerr << "psfm: there is no command '" << words.front()
-                  << "'; psfm --help lists them\n";
-        return kUsageError;
-    }
-    try {
-        app.name(argv[0]);
-        std::reverse(words.begin(), words.end());  // as CLI11 takes them
-        app.parse(std::move(words));
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : kUsageError;
-    }
-    return exit_code;
-}
+constexpr int kUnexpectedError = 1;  // Format: exit codes, as docs have them
 
 /// A full disk behind `psfm status --json > FILE`, say, is found when what was printed is on its
 /// way.
@@ -139,7 +65,7 @@ int main(int argc, char** argv) {
     try {
         allow_open_files();
         quieten_libraries();
-        return ended_with(run(argc, argv));
+        return ended_with(psfm::run_command_line(argc, argv, PSFM_VERSION PSFM_COMMIT));
     } catch (const std::exception& exception) {
         std::cerr << "psfm: unexpected failure (" << exception.what()
                   << "); the session keeps what it acknowledged\n";

@@ -118,5 +118,27 @@ TEST(AngleBetween, IsAMetric) {
     }
 }
 
+TEST(RotationBetween, TurnsOneDirectionIntoAnotherByTheirAngle) {
+    Rng rng(8);
+    for (int trial = 0; trial < 1000; ++trial) {
+        const Eigen::Vector3d from =
+            rng.uniform(0.1, 10.0) * (rng.rotation() * Eigen::Vector3d::UnitX());
+        const Eigen::Vector3d to = rng.rotation() * Eigen::Vector3d::UnitX();
+        const Eigen::Quaterniond rotation = rotation_between(from, to);
+        EXPECT_LT((rotation * from.normalized() - to).norm(), 1e-12);
+        EXPECT_NEAR(rotation_angle(rotation), std::acos(from.normalized().dot(to)), 1e-7);
+    }
+}
+
+TEST(RotationBetween, TakesDirectionsThatAreAlikeOrOpposite) {
+    const Eigen::Vector3d along(1, 2, 3);
+    EXPECT_LT(rotation_angle(rotation_between(along, 2.0 * along)), 1e-12);
+    for (const double off : {0.0, 1e-14, 1e-9, 1e-4}) {
+        const Eigen::Vector3d to = (-along + off * Eigen::Vector3d::UnitX()).normalized();
+        const Eigen::Quaterniond rotation = rotation_between(along, to);
+        EXPECT_LT((rotation * along.normalized() - to).norm(), 1e-11) << off;
+    }
+}
+
 }  // namespace
 }  // namespace psfm

@@ -80,8 +80,7 @@ class Search {
     }
 
     void draw_pairs(const Gravity& gravity, const Eigen::Vector3d& up) {
-        const Eigen::Quaterniond upright =
-            Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+        const Eigen::Quaterniond upright = rotation_between(up, Eigen::Vector3d::UnitZ());
         draw(
             [&] {
                 const LocatedCamera& one = any();

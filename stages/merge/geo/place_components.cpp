@@ -165,7 +165,7 @@ std::optional<Sim3> turned_upright(const Cameras& cameras, const Sim3& frame,
     for (const Eigen::Vector3d& centre : cameras.centres) middle += frame * centre;
     middle /= static_cast<double>(cameras.centres.size());
     Sim3 turn;
-    turn.rotation = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+    turn.rotation = rotation_between(up, Eigen::Vector3d::UnitZ());
     turn.translation = middle - turn.rotation * middle;
     return turn * frame;
 }

@@ -100,8 +100,7 @@ Json node_json(const ExportedModel& model, const Eigen::Vector3d& origin,
 
 /// All below one node that turns the model upright.
 Json world_json(const Eigen::Vector3d& origin, const Eigen::Vector3d& up, std::size_t children) {
-    const Eigen::Quaterniond upright =
-        Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY());
+    const Eigen::Quaterniond upright = rotation_between(up, Eigen::Vector3d::UnitY());
     Json node{{"name", "world"},
               {"rotation", {upright.x(), upright.y(), upright.z(), upright.w()}},
               {"extras", {{"origin", {origin.x(), origin.y(), origin.z()}}}}};
