@@ -18,7 +18,9 @@ double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
     const Eigen::Vector3d a = from.normalized();
     const Eigen::Vector3d b = to.normalized();
-    const Eigen::Vector3d axis = a.cross(b);
+    const Eigen::Vector3d across = a.cross(b);
+    // Where the two are nearly opposite, rounding leaves a part of it along a.
+    const Eigen::Vector3d axis = across - across.dot(a) * a;
     const bool are_opposite = a.dot(b) < 0.0 && axis.norm() < 1e-12;
     Eigen::Quaterniond rotation;
     // 1 + cosine, which loses no digits where the two are nearly opposite.

@@ -133,7 +133,7 @@ TEST(RotationBetween, TurnsOneDirectionIntoAnotherByTheirAngle) {
 TEST(RotationBetween, TakesDirectionsThatAreAlikeOrOpposite) {
     const Eigen::Vector3d along(1, 2, 3);
     EXPECT_LT(rotation_angle(rotation_between(along, 2.0 * along)), 1e-12);
-    for (const double off : {0.0, 1e-14, 1e-9, 1e-4}) {
+    for (const double off : {0.0, 1e-14, 1e-11, 1e-9, 1e-7, 1e-4}) {
         const Eigen::Vector3d to = (-along + off * Eigen::Vector3d::UnitX()).normalized();
         const Eigen::Quaterniond rotation = rotation_between(along, to);
         EXPECT_LT((rotation * along.normalized() - to).norm(), 1e-11) << off;
