@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scheduler/front_end/begin_from_model.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -14,6 +12,7 @@
 #include "scheduler/session/encode_state.h"
 #include "scheduler/session/file_stamp.h"
 #include "scheduler/session/known_files.h"
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/clustering/batch_clusters.h"
 #include "stages/verification/run_verification.h"
 
@@ -175,7 +174,7 @@ Result<void> Import::take_images(const std::function<void()>& progress) {
             const auto known = database_ids.find(image.name);
             if (known != database_ids.end()) sources[k].database_id = known->second;
         }
-        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+        in_parallel(count, [&](std::size_t k) {
             extracted[k] = foreign_features(sources[k], foreign_, options_.features);
         });
         for (std::size_t k = 0; k < count; ++k) {
@@ -244,7 +243,7 @@ Result<std::map<ImagePair, VerifiedPairPtr>> Import::verified_pairs(const Recons
         tasks.emplace_back(pair, &found);
     }
     std::vector<VerifiedPairPtr> verified(tasks.size());
-    tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t t) {
+    in_parallel(tasks.size(), [&](std::size_t t) {
         const auto& [pair, found] = tasks[t];
         auto geometry = verify_images(images_[index_of(pair.first)], images_[index_of(pair.second)],
                                       *found, verify, seed_);

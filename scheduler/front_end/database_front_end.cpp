@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,6 +8,7 @@
 
 #include "scheduler/front_end/foreign_features.h"
 #include "scheduler/front_end/front_end.h"
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/features/colour_features.h"
 #include "stages/verification/run_verification.h"
 #include "storage/exchange/database/colmap_database.h"
@@ -86,7 +86,7 @@ class DatabaseFrontEnd final : public FrontEnd {
                                   nullptr};
         std::vector<Result<VerifiedPairPtr>> verified(candidates.size(),
                                                       Result<VerifiedPairPtr>(nullptr));
-        tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+        in_parallel(candidates.size(), [&](std::size_t i) {
             verified[i] = verify_with(image, candidates[i], matches_of[i]->matches);
         });
         std::vector<VerifiedPairPtr> pairs;

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/localisation/localise_photo.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
 
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/localisation/pose_covariance.h"
 
 namespace psfm {
@@ -41,7 +40,7 @@ Result<ByImage> match_images(const LocalisationMap& map, const ExtractedPhoto& p
     const PreparedDescriptors prepared = prepare(photo.descriptors, options.cells);
     std::vector<Result<std::vector<Correspondence>>> found(images.size(),
                                                            std::vector<Correspondence>{});
-    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t k) {
+    in_parallel(images.size(), [&](std::size_t k) {
         const ImageId image = images[k].image;
         const auto theirs = descriptors(image);
         if (!theirs.ok()) {

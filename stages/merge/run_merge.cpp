@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/run_merge.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -19,12 +16,13 @@
 #include "graph/sorted_unique.h"
 #include "stages/algorithms/alignment/cluster_index.h"
 #include "stages/algorithms/alignment/estimate_cluster_constraint.h"
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/merge/geo/place_components.h"
 
 namespace psfm {
 namespace {
 
-Error invalid(const std::string& what) {
+Error invalid_problem(const std::string& what) {
     return {ErrorCode::kInvalidArgument, "merge: " + what};
 }
 
@@ -39,23 +37,23 @@ const MergeCluster* find_cluster(const MergeProblem& problem, ClusterId id) {
 
 Result<void> check(const MergeProblem& problem) {
     if (!std::ranges::is_sorted(problem.clusters, std::ranges::less_equal{}, &MergeCluster::id)) {
-        return invalid("clusters must be ascending by id, each once");
+        return invalid_problem("clusters must be ascending by id, each once");
     }
     if (!std::ranges::is_sorted(problem.evidence, std::ranges::less_equal{},
                                 &ImageEvidence::image)) {
-        return invalid("evidence must be ascending by image, each once");
+        return invalid_problem("evidence must be ascending by image, each once");
     }
     const auto key = [](const ClusterPairEdgesPtr& pair) { return std::pair(pair->a, pair->b); };
     if (!std::ranges::is_sorted(problem.pairs, std::ranges::less_equal{}, key)) {
-        return invalid("pairs of clusters must be ascending, each once");
+        return invalid_problem("pairs of clusters must be ascending, each once");
     }
     for (const ClusterPairEdgesPtr& pair : problem.pairs) {
         const bool known =
             find_cluster(problem, pair->a) != nullptr && find_cluster(problem, pair->b) != nullptr;
         if (pair->a < pair->b && known) continue;
-        return invalid("pair of clusters " + std::to_string(index_of(pair->a)) + " and " +
-                       std::to_string(index_of(pair->b)) +
-                       (known ? " is not ascending" : " names an unknown cluster"));
+        return invalid_problem("pair of clusters " + std::to_string(index_of(pair->a)) + " and " +
+                               std::to_string(index_of(pair->b)) +
+                               (known ? " is not ascending" : " names an unknown cluster"));
     }
     return {};
 }
@@ -147,11 +145,8 @@ ClusterNetwork network_of(const MergeProblem& problem, const std::vector<PairTas
         network.links.push_back({number.at(task.constraint.a), number.at(task.constraint.b),
                                  task.edges, &task.constraint});
     }
-    // Isolated: a version is not to wait for a solve that this thread takes up in between.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, network.cameras.size(), [&](std::size_t c) {
-            if (!network.cameras[c]) network.cameras[c] = cameras_of(*network.clusters[c]->model);
-        });
+    in_parallel(network.cameras.size(), [&](std::size_t c) {
+        if (!network.cameras[c]) network.cameras[c] = cameras_of(*network.clusters[c]->model);
     });
     return network;
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/retrieval/train_vocabulary.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "stages/algorithms/matching/k_means.h"
 #include "stages/algorithms/matching/nearest_rows.h"
 #include "stages/algorithms/matching/rows_by_cell.h"
+#include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
 
@@ -29,13 +28,11 @@ WordTree train_vocabulary(const Descriptors& sample, const TrainOptions& options
     const std::vector<CellRows> by_cell =
         rows_by_cell(sample.values, cell_of_row, tree.cells.rows());
     tree.words.resize(by_cell.size());  // k_means leaves no cell empty
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, by_cell.size(), [&](std::size_t c) {
-            const std::size_t rows = by_cell[c].rows.size();
-            const std::size_t share = std::max<std::size_t>(1, (words * rows + count / 2) / count);
-            tree.words[c] =
-                k_means(by_cell[c].descriptors.values, share, options.iterations, seed + c + 1);
-        });
+    in_parallel(by_cell.size(), [&](std::size_t c) {
+        const std::size_t rows = by_cell[c].rows.size();
+        const std::size_t share = std::max<std::size_t>(1, (words * rows + count / 2) / count);
+        tree.words[c] =
+            k_means(by_cell[c].descriptors.values, share, options.iterations, seed + c + 1);
     });
     return tree;
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/verification/run_verification.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -14,6 +12,7 @@
 #include <tuple>
 #include <utility>
 
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/algorithms/two_view/invert_two_view_geometry.h"
 #include "stages/verification/verify_pair.h"
 
@@ -228,7 +227,7 @@ Result<VerificationOutput> run_verification(const VerificationInput& input,
          tried = output.statistics.tried) {
         const std::size_t round = size_of_round(tried, verified, enough);
         std::vector<Attempt> attempts(std::min(round, candidates.size() - tried));
-        tbb::parallel_for(std::size_t{0}, attempts.size(), [&](std::size_t i) {
+        in_parallel(attempts.size(), [&](std::size_t i) {
             attempts[i] = attempt_pair_catching(input, prepared, candidates[tried + i], options);
         });
         for (Attempt& attempt : attempts) {

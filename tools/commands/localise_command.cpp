@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <tbb/parallel_for.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -17,6 +16,7 @@
 #include <string_view>
 
 #include "scheduler/session/session_config.h"
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/features/photographs/photo_listing.h"
 #include "stages/features/run_features.h"
 #include "stages/localisation/localise_photo.h"
@@ -265,8 +265,8 @@ int run_localise(const LocaliseArguments& arguments) {
     for (std::size_t first = 0; first < photos.size(); first += kAtOnce) {
         const std::size_t count = std::min(kAtOnce, photos.size() - first);
         std::vector<Result<LocalisedPhoto>> found(count, Error{});
-        tbb::parallel_for(std::size_t{0}, count,
-                          [&](std::size_t k) { found[k] = localise(*session, photos[first + k]); });
+        in_parallel(count,
+                    [&](std::size_t k) { found[k] = localise(*session, photos[first + k]); });
         for (std::size_t k = 0; k < count; ++k) {
             const PhotoFile& photo = photos[first + k].photo;
             localised += found[k].ok() ? 1 : 0;

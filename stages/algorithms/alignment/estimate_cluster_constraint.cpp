@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/algorithms/alignment/estimate_cluster_constraint.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,6 +14,7 @@
 #include "stages/algorithms/alignment/point_correspondences.h"
 #include "stages/algorithms/alignment/refine_sim3.h"
 #include "stages/algorithms/alignment/sim3_ransac.h"
+#include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
 namespace {
@@ -81,16 +79,12 @@ std::vector<EdgeOpinion> opinions_of(std::span<const EdgeCorrespondences> edges,
                                      const ConstraintBasis* basis,
                                      const ClusterConstraintOptions& options) {
     std::vector<EdgeOpinion> opinions(edges.size());
-    // Isolated: a version is not to wait for a solve that this thread takes up in between.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t e) {
-            EdgeOpinion& opinion = opinions[e];
-            const ConstraintBasis::Edge* known = find_edge(basis, edges[e].geometry_hash);
-            opinion.is_new = known == nullptr;
-            opinion.b_from_a =
-                known != nullptr ? known->b_from_a : similarity_of(edges[e], options);
-            opinion.interleaves = opinion.b_from_a && interleaves(a, b, *opinion.b_from_a, options);
-        });
+    in_parallel(edges.size(), [&](std::size_t e) {
+        EdgeOpinion& opinion = opinions[e];
+        const ConstraintBasis::Edge* known = find_edge(basis, edges[e].geometry_hash);
+        opinion.is_new = known == nullptr;
+        opinion.b_from_a = known != nullptr ? known->b_from_a : similarity_of(edges[e], options);
+        opinion.interleaves = opinion.b_from_a && interleaves(a, b, *opinion.b_from_a, options);
     });
     return opinions;
 }

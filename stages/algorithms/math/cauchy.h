@@ -6,7 +6,7 @@ namespace psfm {
 
 /// Mathematics: residuals in standard deviations at which Cauchy's weight is a half and its loss
 /// bends: 95 % efficient on Gaussians.
-inline constexpr double kCauchy = 2.385;
+inline constexpr double kCauchyScale = 2.385;
 
 constexpr double squared(double x) {
     return x * x;

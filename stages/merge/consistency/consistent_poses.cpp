@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/consistency/consistent_poses.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -15,6 +12,7 @@
 #include <utility>
 
 #include "stages/algorithms/math/contract_signed_graph.h"
+#include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
 namespace {
@@ -177,11 +175,7 @@ class PartSolver {
     /// Side by side. @param parts  each connected by constraints
     Result<std::vector<SolvedPartPtr>> solve_all(const std::vector<Part>& parts) {
         std::vector<std::optional<Result<SolvedPartPtr>>> solved(parts.size());
-        // Isolated: a version is not to wait for a solve that this thread takes up in between.
-        tbb::this_task_arena::isolate([&] {
-            tbb::parallel_for(std::size_t{0}, parts.size(),
-                              [&](std::size_t p) { solved[p] = solve(parts[p]); });
-        });
+        in_parallel(parts.size(), [&](std::size_t p) { solved[p] = solve(parts[p]); });
         std::vector<SolvedPartPtr> all;
         for (const auto& part : solved) {
             if (!part->ok()) return part->error();

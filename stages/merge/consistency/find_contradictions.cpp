@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/merge/consistency/find_contradictions.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+
+#include "stages/algorithms/math/in_parallel.h"
 
 namespace psfm {
 namespace {
@@ -103,12 +102,9 @@ Contradictions find_contradictions(std::span<const PlacedModel> models,
         return is_linked ? link->edges.get() : nullptr;
     };
     found.judgements.resize(pairs.size());
-    // Isolated: a version is not to wait for a solve that this thread takes up in between.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t p) {
-            const auto& [a, b] = pairs[p];
-            found.judgements[p] = judge(models[a], models[b], edges_of(pairs[p]), known, options);
-        });
+    in_parallel(pairs.size(), [&](std::size_t p) {
+        const auto& [a, b] = pairs[p];
+        found.judgements[p] = judge(models[a], models[b], edges_of(pairs[p]), known, options);
     });
     for (std::size_t p = 0; p < pairs.size(); ++p) {
         if (found.judgements[p].verdict.contradict) found.pairs.push_back(pairs[p]);

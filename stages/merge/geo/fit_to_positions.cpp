@@ -22,11 +22,11 @@ constexpr double kUnknownHeight = 10.0;
 constexpr int kMaxSteps = 50;  // Guard: ends the loop
 
 double cauchy_cost(double squared_residual) {
-    return squared(kCauchy) * std::log1p(squared_residual / squared(kCauchy));
+    return squared(kCauchyScale) * std::log1p(squared_residual / squared(kCauchyScale));
 }
 
 double cauchy_weight(double squared_residual) {
-    return 1.0 / (1.0 + squared_residual / squared(kCauchy));
+    return 1.0 / (1.0 + squared_residual / squared(kCauchyScale));
 }
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {

@@ -29,8 +29,8 @@ Eigen::Matrix3d scatter(std::span<const Axes> cameras, const Eigen::Vector3d& up
     for (const Axes& axes : cameras) {
         const double roll = axes.right.dot(up) / roll_sigma;
         const double pitch = axes.forward.dot(up) / pitch_sigma;
-        level += axes.right * axes.right.transpose() / (1.0 + squared(roll / kCauchy));
-        optical += axes.forward * axes.forward.transpose() / (1.0 + squared(pitch / kCauchy));
+        level += axes.right * axes.right.transpose() / (1.0 + squared(roll / kCauchyScale));
+        optical += axes.forward * axes.forward.transpose() / (1.0 + squared(pitch / kCauchyScale));
     }
     return level / squared(roll_sigma) +
            optical / (squared(pitch_sigma) * static_cast<double>(cameras.size()));
