@@ -113,7 +113,7 @@ SessionEvent describe_places(const ClusterProblem& problem, const ClusterSolutio
         (leaves_out_some(solution)
              ? " makes " + std::to_string(solution.places.size()) + " models, which nothing joins:"
              : " shows " + std::to_string(solution.places.size()) +
-                   " places side by side, whose images share nothing:");
+                   " places side by side, whose images do not show the same things:");
     nlohmann::json sizes = nlohmann::json::array();
     constexpr std::size_t kShown = 3;  // Format: places in a message
     for (const std::vector<ImageId>& place : solution.places) {

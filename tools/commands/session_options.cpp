@@ -197,6 +197,12 @@ Result<void> check_named_files(const RunRequest& request) {
                                      "; make it, or choose another --log"};
 }
 
+bool holds_nothing(const std::filesystem::path& folder) {
+    std::error_code unknown;  // then it is for the store to say
+    return !std::filesystem::exists(folder, unknown) ||
+           (std::filesystem::is_empty(folder, unknown) && !unknown);
+}
+
 }  // namespace
 
 int start_session(const CLI::App& command, const SessionArguments& arguments,
@@ -224,7 +230,7 @@ int start_session(const CLI::App& command, const SessionArguments& arguments,
         return {};
     };
     // Before a session is made: a mistyped name leaves nothing behind.
-    if (!std::filesystem::exists(request.session)) {
+    if (holds_nothing(request.session)) {
         if (const auto found = check_named_files(request); !found.ok())
             return report_error(found.error(), ErrorOrigin::kOtherInput);
         if (const auto done = watch ? Result<void>{} : put_in_order({}); !done.ok())
