@@ -49,7 +49,7 @@ endif()
 
 # With CMAKE_UNITY_BUILD (the preset release): most of a compilation is Eigen, Ceres and OpenCV, once for so many
 # sources. The other presets compile each by itself, so that a source includes what it uses.
-set(PSFM_COMPILED_TOGETHER 50)
+set(PSFM_COMPILED_TOGETHER 70)
 
 find_program(PSFM_CCACHE ccache)
 if(PSFM_CCACHE)

@@ -23,8 +23,8 @@ namespace {
 // compression (1) and checksum (4).
 constexpr std::size_t kFooterSize = 53;
 constexpr std::size_t kFormatAt = 41;
-constexpr std::size_t kMagicAt = 45;
-constexpr std::uint64_t kMagic = 0x88e241b785f4cff7;
+constexpr std::size_t kTableMagicAt = 45;
+constexpr std::uint64_t kTableMagic = 0x88e241b785f4cff7;
 constexpr char kXxh3 = 4;
 constexpr std::size_t kTrailerSize = 5;
 /// Guard: a block of properties takes some kilobytes.
@@ -73,7 +73,7 @@ std::optional<std::string> read_at(std::ifstream& file, std::uint64_t offset, st
 std::optional<BlockHandle> list_of_meta_blocks(std::ifstream& file, std::uint64_t file_size) {
     if (file_size < kFooterSize) return std::nullopt;
     const auto footer = read_at(file, file_size - kFooterSize, kFooterSize);
-    if (!footer || table_number_at(*footer, kMagicAt, 8) != kMagic ||
+    if (!footer || table_number_at(*footer, kTableMagicAt, 8) != kTableMagic ||
         table_number_at(*footer, kFormatAt, 4) != kTableFormatVersion || footer->front() != kXxh3)
         return std::nullopt;
     std::string_view handles = std::string_view(*footer).substr(1);

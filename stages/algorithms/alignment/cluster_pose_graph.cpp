@@ -23,7 +23,7 @@ namespace {
 /// repeats its results to the bit only then (docs/parts.md).
 using Pose = std::array<double, 8>;
 
-Pose pack(const Sim3& sim) {
+Pose pack_pose(const Sim3& sim) {
     Pose pose{};
     Eigen::Map<Eigen::Quaterniond>(pose.data()) = sim.rotation;
     Eigen::Map<Eigen::Vector3d>(pose.data() + 4) = sim.translation;
@@ -138,7 +138,7 @@ Start start_from_tree(std::span<const PoseGraphEdge> edges, const std::vector<st
         while (!open.empty()) {
             const std::uint32_t cluster = open.back();
             open.pop_back();
-            start.poses[cluster] = pack(*placed[cluster]);
+            start.poses[cluster] = pack_pose(*placed[cluster]);
             for (const std::uint32_t e : at[cluster]) {
                 const bool forward = edges[e].a == cluster;
                 const std::uint32_t next = forward ? edges[e].b : edges[e].a;
@@ -245,7 +245,7 @@ ClusterPoses poses_of(Start start, std::vector<bool> used) {
 
 double pose_graph_residual(const PoseGraphEdge& edge, const Sim3& frame_from_a,
                            const Sim3& frame_from_b) {
-    return residual_of(edge, pack(frame_from_a), pack(frame_from_b));
+    return residual_of(edge, pack_pose(frame_from_a), pack_pose(frame_from_b));
 }
 
 Result<ClusterPoses> solve_cluster_poses(std::span<const PoseGraphEdge> edges,
@@ -280,7 +280,7 @@ Result<std::vector<Sim3>> refine_cluster_poses(std::span<const PoseGraphEdge> ed
                                                const PoseGraphOptions& options) {
     std::vector<bool> used(edges.size(), true);
     Start start = start_from_tree(edges, spanning_tree(edges, used, sizes.size()), sizes);
-    std::ranges::transform(frame_from_cluster, start.poses.begin(), pack);
+    std::ranges::transform(frame_from_cluster, start.poses.begin(), pack_pose);
     try {
         optimize(edges, used, start, options, Precision::kFull);
     } catch (const std::exception& exception) {

@@ -15,7 +15,7 @@
 namespace psfm {
 namespace {
 
-constexpr auto kUnseen = static_cast<std::uint32_t>(-1);  // Format: says that there is none
+constexpr auto kNoNode = static_cast<std::uint32_t>(-1);  // Format: says that there is none
 constexpr std::size_t kLargestRatio = 8;  // Guard: the nodes of all parts together grow with it
 
 /// Parts of the graph that have been joined, each in a reference frame of its own.
@@ -124,14 +124,14 @@ StartRotations rotations_of_forest(std::span<const RelativeRotation> edges,
                                    std::uint32_t node_count) {
     StartRotations start;
     start.node_from_reference.assign(node_count, Eigen::Quaterniond::Identity());
-    start.component.assign(node_count, kUnseen);
+    start.component.assign(node_count, kNoNode);
     std::vector<std::vector<std::uint32_t>> at(node_count);
     for (const std::uint32_t e : forest) {
         at[edges[e].i].push_back(e);
         at[edges[e].j].push_back(e);
     }
     for (std::uint32_t root = 0; root < node_count; ++root) {
-        if (start.component[root] != kUnseen) continue;
+        if (start.component[root] != kNoNode) continue;
         start.component[root] = start.component_count;
         std::vector<std::uint32_t> open{root};
         while (!open.empty()) {
@@ -140,7 +140,7 @@ StartRotations rotations_of_forest(std::span<const RelativeRotation> edges,
             for (const std::uint32_t e : at[node]) {
                 const bool forward = edges[e].i == node;
                 const std::uint32_t next = forward ? edges[e].j : edges[e].i;
-                if (start.component[next] != kUnseen) continue;
+                if (start.component[next] != kNoNode) continue;
                 start.component[next] = start.component_count;
                 const Eigen::Quaterniond next_from_node =
                     forward ? edges[e].j_from_i.normalized()
@@ -169,10 +169,10 @@ StartRotations rotations_by_consensus(std::span<const RelativeRotation> edges,
     std::vector<Eigen::Quaterniond> node_from_part = parts.node_from_part();
     turn_parts(edges, rank, nodes_and(parts.joined(), node_count), options, node_from_part);
     StartRotations start;
-    std::vector<std::uint32_t> reference_of_part(node_count, kUnseen);
+    std::vector<std::uint32_t> reference_of_part(node_count, kNoNode);
     for (std::uint32_t node = 0; node < node_count; ++node) {
         std::uint32_t& reference = reference_of_part[parts.part_of(node)];
-        if (reference == kUnseen) {
+        if (reference == kNoNode) {
             reference = node;
             start.component.push_back(start.component_count++);
         } else {

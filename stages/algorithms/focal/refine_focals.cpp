@@ -22,7 +22,7 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 /// Guard: a step changes no logarithm of a focal length by more than this: further off, the
 /// linearisation is void.
 constexpr double kLargestStep = 0.3;
-constexpr double kCostTolerance = 1e-6;  // Guard: ends the loop
+constexpr double kFocalCostTolerance = 1e-6;  // Guard: ends the loop
 
 /// What turns a step of the focal lengths into a step of a pair's pose.
 struct PoseStep {
@@ -30,7 +30,7 @@ struct PoseStep {
     Matrix52d by_focals = Matrix52d::Zero();
 };
 
-struct System {
+struct FocalSystem {
     double cost = 0.0;
     Eigen::MatrixXd information;  ///< of the logarithms of the focal lengths
     Eigen::VectorXd gradient;
@@ -82,12 +82,12 @@ double total_cost(std::span<const FocalPair> pairs, const FocalEstimate& estimat
     return cost;
 }
 
-System linearize(std::span<const FocalPair> pairs, const FocalEstimate& estimate,
-                 const FocalExpectation& expectation, const FocalRefinementOptions& options,
-                 double damping) {
+FocalSystem linearize(std::span<const FocalPair> pairs, const FocalEstimate& estimate,
+                      const FocalExpectation& expectation, const FocalRefinementOptions& options,
+                      double damping) {
     const Eigen::Index count = estimate.log_focals.size();
     const double unit_cost = options.loss_scale * options.loss_scale;
-    System system;
+    FocalSystem system;
     system.cost = expectation_cost(estimate.log_focals, expectation);
     system.information = Eigen::MatrixXd::Zero(count, count);
     system.gradient = Eigen::VectorXd::Zero(count);
@@ -139,7 +139,7 @@ System linearize(std::span<const FocalPair> pairs, const FocalEstimate& estimate
 }
 
 FocalEstimate moved(std::span<const FocalPair> pairs, const FocalEstimate& estimate,
-                    const System& system, const Eigen::VectorXd& step) {
+                    const FocalSystem& system, const Eigen::VectorXd& step) {
     const auto step_of = [&](const FocalEnd& end) {
         return end.parameter ? step[static_cast<Eigen::Index>(*end.parameter)] : 0.0;
     };
@@ -181,7 +181,7 @@ FocalEstimate refine_focals(std::span<const FocalPair> pairs, FocalEstimate star
     FocalEstimate estimate = std::move(start);
     double damping = 1e-3;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-        const System system = linearize(pairs, estimate, expectation, options, damping);
+        const FocalSystem system = linearize(pairs, estimate, expectation, options, damping);
         Eigen::MatrixXd damped = system.information;
         damped.diagonal() *= 1.0 + damping;
         const Eigen::VectorXd step = (-solve_large_symmetric(damped, system.gradient))
@@ -197,9 +197,9 @@ FocalEstimate refine_focals(std::span<const FocalPair> pairs, FocalEstimate star
         }
         estimate = std::move(next);
         damping = std::max(0.1 * damping, 1e-7);
-        if (system.cost - cost < kCostTolerance * system.cost) break;
+        if (system.cost - cost < kFocalCostTolerance * system.cost) break;
     }
-    const System system = linearize(pairs, estimate, expectation, options, 0.0);
+    const FocalSystem system = linearize(pairs, estimate, expectation, options, 0.0);
     const Eigen::Index count = estimate.log_focals.size();
     const Eigen::MatrixXd covariance =
         solve_large_symmetric(system.information, Eigen::MatrixXd::Identity(count, count));

@@ -12,7 +12,7 @@
 namespace psfm {
 namespace {
 
-using Index = flann::KDTreeSingleIndex<flann::L2_3D<double>>;
+using FlannIndex = flann::KDTreeSingleIndex<flann::L2_3D<double>>;
 using Results = flann::ResultSet<double>;
 static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
 
@@ -61,7 +61,7 @@ struct KdTree::Tree {
     }
 
     std::vector<Eigen::Vector3d> points;
-    Index index;
+    FlannIndex index;
 };
 
 KdTree::KdTree(std::vector<Eigen::Vector3d> points) {

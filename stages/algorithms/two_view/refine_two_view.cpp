@@ -11,7 +11,7 @@
 namespace psfm {
 namespace {
 
-Eigen::Quaterniond exponential(const Eigen::Vector3d& w) {
+Eigen::Quaterniond rotation_by(const Eigen::Vector3d& w) {
     const double angle = w.norm();
     if (angle < 1e-12)
         return Eigen::Quaterniond(1, 0.5 * w.x(), 0.5 * w.y(), 0.5 * w.z()).normalized();
@@ -64,8 +64,8 @@ struct FundamentalModel {
     }
     FundamentalModel moved(const Eigen::Matrix<double, 7, 1>& step) const {
         FundamentalModel next;
-        next.f.u = exponential(step.head<3>()).toRotationMatrix() * f.u;
-        next.f.v = exponential(step.segment<3>(3)).toRotationMatrix() * f.v;
+        next.f.u = rotation_by(step.head<3>()).toRotationMatrix() * f.u;
+        next.f.v = rotation_by(step.segment<3>(3)).toRotationMatrix() * f.v;
         next.f.ratio = f.ratio + step[6];
         return next;
     }
@@ -138,7 +138,7 @@ Eigen::Matrix<double, 9, 5> pose_jacobian(const Rigid3& cam2_from_cam1,
 
 Rigid3 moved_pose(const Rigid3& cam2_from_cam1, const Eigen::Matrix<double, 5, 1>& step) {
     const Eigen::Matrix<double, 3, 2> basis = tangent_basis(cam2_from_cam1.translation);
-    return {(exponential(step.head<3>()) * cam2_from_cam1.rotation).normalized(),
+    return {(rotation_by(step.head<3>()) * cam2_from_cam1.rotation).normalized(),
             (cam2_from_cam1.translation + basis * step.tail<2>()).normalized()};
 }
 

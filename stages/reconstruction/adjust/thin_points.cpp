@@ -19,7 +19,7 @@ namespace {
 using Feature = WorkingModel::Feature;
 using PoseBlock = std::array<double, kPoseSize>;
 
-constexpr std::size_t kPointsATask = 256;  // Guard: of tasks too small to pay
+constexpr std::size_t kRefinedATask = 256;  // Guard: of tasks too small to pay
 
 /// Cost of a position, and its normal equations.
 struct PointSystem {
@@ -115,7 +115,7 @@ void refine_points(WorkingModel& model, std::span<const std::uint32_t> points,
                    const AdjustmentOptions& options) {
     const PointRefiner refiner(model, options);
     std::vector<Eigen::Vector3d> moved(points.size());
-    in_parallel(points.size(), kPointsATask, [&](std::size_t i) {
+    in_parallel(points.size(), kRefinedATask, [&](std::size_t i) {
         const WorkingModel::Point& point = model.points()[points[i]];
         moved[i] = refiner.refine(point.track, point.position);
     });
