@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
