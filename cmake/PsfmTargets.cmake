@@ -47,8 +47,8 @@ if(PSFM_FUZZ)
   target_link_options(psfm_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# With CMAKE_UNITY_BUILD (the preset release): most of a compilation is Eigen, Ceres and OpenCV, once for so many
-# sources. The other presets compile each by itself, so that a source includes what it uses.
+# With CMAKE_UNITY_BUILD (the presets release and fuzz): most of a compilation is Eigen, Ceres and OpenCV, once for so
+# many sources. The presets dev and tsan compile each by itself, so that a source includes what it uses.
 set(PSFM_COMPILED_TOGETHER 70)
 
 find_program(PSFM_CCACHE ccache)
