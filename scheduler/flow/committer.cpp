@@ -13,14 +13,18 @@
 namespace psfm {
 
 Committer::Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
-                     SessionState state)
+                     SessionState state, const CommitterPace& pace)
     : store_(&store),
       config_(std::move(config)),
       options_(options),
       state_(std::move(state)),
       reports_(config_, state_, outbox_),
       intake_(store, config_, options_, state_, reports_, outbox_),
-      keeper_(store, options_, state_, outbox_) {}
+      keeper_(store, options_, state_, outbox_),
+      pace_(pace) {
+    state_.keypoints.set_budget(pace.idle_bytes);
+    state_.models.set_budget(pace.idle_bytes);
+}
 
 Result<CommitOutput> Committer::handle(const CommitInput& message) {
     CommitOutput output;
@@ -151,9 +155,9 @@ Result<void> Committer::advance(CommitOutput& output) {
 }
 
 bool Committer::more_to_come() const {
-    if (image_tokens_ == nullptr || photos_before_idle_ == photos_seen_) return false;
+    if (pace_.image_tokens == nullptr || photos_before_idle_ == photos_seen_) return false;
     // Those that this message gives back are not there yet.
-    return outbox_.images_released > 0 || image_tokens_->has_free();
+    return outbox_.images_released > 0 || pace_.image_tokens->has_free();
 }
 
 }  // namespace psfm

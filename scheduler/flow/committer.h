@@ -29,6 +29,20 @@ struct CommitOutput {
     std::optional<PublishMessage> publish;
 };
 
+/// What the machine allows, and changes no result of a deterministic session.
+struct CommitterPace {
+    /// See ResidentKeypoints and ResidentModels: so many bytes for each.
+    std::size_t idle_bytes = ExecutionOptions{}.idle_bytes;
+    /// Models that settle side by side in a session that is not deterministic; the others have
+    /// their points and keypoints in the store meanwhile. Raised: more memory; below the number of
+    /// threads: some have nothing to do.
+    std::size_t settle_at_once = 8;
+    /// See ExecutionOptions.
+    double rest_per_merge = ExecutionOptions{}.rest_per_merge;
+    /// Null: whatever is quiet counts as idle.
+    const Admission* image_tokens = nullptr;
+};
+
 /// The one writer of a session: applies what the stages found to the state, stores it (the
 /// commit points of docs/design.md), and decides what is solved, merged and published next. Serial;
 /// no TBB in here, so that the whole life of a session can be tested message by message.
@@ -37,8 +51,9 @@ struct CommitOutput {
 /// image id.
 class Committer {
   public:
+    /// @param pace  what it watches outlives this
     Committer(SessionStore& store, SessionConfig config, const StageOptions& options,
-              SessionState state);
+              SessionState state, const CommitterPace& pace = {});
     Committer(const Committer&) = delete;
     Committer& operator=(const Committer&) = delete;
 
@@ -47,22 +62,6 @@ class Committer {
     Result<CommitOutput> handle(const CommitInput& message);
 
     const SessionState& state() const { return state_; }
-    /// See ResidentKeypoints and ResidentModels: so many bytes for each.
-    void keep_idle(std::size_t bytes) {
-        state_.keypoints.set_budget(bytes);
-        state_.models.set_budget(bytes);
-    }
-
-    /// Models that settle side by side in a session that is not deterministic; the others have
-    /// their points and keypoints in the store meanwhile. Raised: more memory; below the number of
-    /// threads: some have nothing to do.
-    void settle_at_once(std::size_t models) { settles_at_once_ = models; }
-
-    /// See ExecutionOptions::rest_per_merge.
-    void rest_after_merges(double times) { rest_per_merge_ = times; }
-
-    /// The image tokens, which outlive this; without them, whatever is quiet counts as idle.
-    void watch(const Admission& image_tokens) { image_tokens_ = &image_tokens; }
 
   private:
     Result<void> on(const CatchUp& message, CommitOutput& output);
@@ -112,21 +111,19 @@ class Committer {
     ImageReports reports_;
     Intake intake_;
     ClusterKeeper keeper_;
-    const Admission* image_tokens_ = nullptr;
+    CommitterPace pace_;
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
     std::optional<std::uint64_t> photos_before_rest_;  // none: none has been awaited for long
     std::optional<std::uint64_t> photos_expected_;     // known once no photograph will follow
     bool merging_ = false;                             // one merge in flight at most
-    double rest_per_merge_ = ExecutionOptions{}.rest_per_merge;
-    Clock::time_point next_version_;   // not before, while there is other work
-    bool changed_ = false;             // something is to be merged and published
-    bool catching_up_ = false;         // an image token is held for that
-    bool settle_first_ = false;        // an earlier process was settling
-    std::deque<ClusterId> to_settle_;  // taken from the table, and not begun yet
-    std::size_t settling_ = 0;         // begun, and not solved yet
-    std::size_t settles_at_once_ = 8;
-    std::size_t solving_ = 0;            // solves in flight
+    Clock::time_point next_version_;                   // not before, while there is other work
+    bool changed_ = false;                             // something is to be merged and published
+    bool catching_up_ = false;                         // an image token is held for that
+    bool settle_first_ = false;                        // an earlier process was settling
+    std::deque<ClusterId> to_settle_;                  // taken from the table, and not begun yet
+    std::size_t settling_ = 0;                         // begun, and not solved yet
+    std::size_t solving_ = 0;                          // solves in flight
     std::vector<SolvedMessage> solved_;  // deterministic: those of them that wait for the others
     bool failed_ = false;
 };

@@ -12,7 +12,7 @@ namespace psfm {
 Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     merging_ = false;
     next_version_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                       rest_per_merge_ *
+                                       pace_.rest_per_merge *
                                        std::chrono::duration<double, std::milli>(message.merge_ms));
     if (!message.result->ok()) return message.result->error();
     const MergeResult& merged = message.result->value().merge;

@@ -40,7 +40,7 @@ void Committer::begin_settling() {
 }
 
 Result<void> Committer::go_on_settling(CommitOutput& output) {
-    while (!to_settle_.empty() && (config_.deterministic || settling_ < settles_at_once_)) {
+    while (!to_settle_.empty() && (config_.deterministic || settling_ < pace_.settle_at_once)) {
         const ClusterEntry* entry = state_.clusters.begin_taken(to_settle_.front());
         to_settle_.pop_front();
         if (entry == nullptr) continue;

@@ -189,16 +189,16 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     if (!front_end.ok()) return front_end.error();
     SessionGraph::Parts parts;
     parts.committed_images = restored->state.verified;
-    Committer committer(store, config, *options, std::move(restored->state));
-    committer.keep_idle(execution.idle_bytes);
-    committer.settle_at_once(2 * static_cast<std::size_t>(threads));
     Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
     // A batch publishes nothing before its last image: it must not wait for that.
     Admission image_tokens(config.batch           ? std::numeric_limits<int>::max()
                            : config.deterministic ? 1
                                                   : execution.images_in_flight);
-    committer.rest_after_merges(execution.rest_per_merge);
-    committer.watch(image_tokens);
+    Committer committer(store, config, *options, std::move(restored->state),
+                        {.idle_bytes = execution.idle_bytes,
+                         .settle_at_once = 2 * static_cast<std::size_t>(threads),
+                         .rest_per_merge = execution.rest_per_merge,
+                         .image_tokens = &image_tokens});
     parts.options = &*options;
     parts.front_end = front_end->get();
     parts.committer = &committer;

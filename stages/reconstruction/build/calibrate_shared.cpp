@@ -107,7 +107,7 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
     if (!grown.ok()) return none_if_degenerate(grown.error());
     RefinementOptions settling = options.settling;
     settling.images_for_principal_point = 0;
-    const auto settled = refine_model(model, false, settling, options, cancel);
+    const auto settled = refine_model(model, settling, {.options = options, .cancel = cancel});
     if (!settled.ok()) return none_if_degenerate(settled.error());
     std::map<CameraId, std::uint32_t> images;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {

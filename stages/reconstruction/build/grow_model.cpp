@@ -109,9 +109,7 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
 Result<bool> settle_image(SolveDraft& draft, std::uint32_t image, std::uint32_t min_observations,
                           const SolveContext& context) {
     WorkingModel& model = draft.model;
-    const auto adjustments =
-        refine_locally(model, std::span(&image, 1), context.problem.fix_intrinsics, context.options,
-                       context.cancel);
+    const auto adjustments = refine_locally(model, std::span(&image, 1), context.refining());
     if (!adjustments.ok() && adjustments.error().code == ErrorCode::kDegenerate) {
         model.remove_image(image);
         return false;
@@ -133,8 +131,7 @@ Result<void> adjust_grown(SolveDraft& draft, const SolveContext& context) {
     if (!plan.due.full_adjustment) return {};
     const std::uint32_t grown =
         draft.model.registered_count() - draft.state.images_at_full_adjustment;
-    const auto adjustments = refine_grown(draft.model, grown, plan, context.problem.fix_intrinsics,
-                                          context.options, context.cancel);
+    const auto adjustments = refine_grown(draft.model, grown, plan, context.refining());
     if (!adjustments.ok()) return adjustments.error();
     draft.statistics.full_adjustments += *adjustments;
     draft.state.images_at_full_adjustment = draft.model.registered_count();

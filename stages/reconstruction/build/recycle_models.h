@@ -17,7 +17,7 @@ struct Recycling {
     std::uint32_t left = 0;
     /// Those of them of which no edge says where they belong: none has enough triangulated points
     /// at both of its ends.
-    std::vector<Reconstruction> unrelated;
+    std::vector<Reconstruction> unrelated = {};
 };
 
 /// Images of a model, ascending.

@@ -18,6 +18,8 @@ namespace {
 
 /// Guard: images from which focal lengths are adjusted: two views hardly determine them.
 constexpr std::uint32_t kImagesForIntrinsics = 3;
+/// Guard: observations filtered that are worth a second local adjustment.
+constexpr std::uint32_t kFilteredForAnother = 10;
 
 /// Of the points that one of the images sees; of all points, when there are none.
 std::size_t observation_count(const WorkingModel& model, std::span<const std::uint32_t> images) {
@@ -94,26 +96,25 @@ struct Round {
 /// @param images  those of the region, or all that are registered
 /// @param min_tolerance  function_tolerance at least
 Result<Round> refine_once(WorkingModel& model, const std::vector<std::uint32_t>& region,
-                          std::span<const std::uint32_t> images, bool fix_intrinsics,
-                          double min_tolerance, const RefinementOptions& refinement,
-                          const SolveOptions& options, const std::atomic<bool>* cancel) {
+                          std::span<const std::uint32_t> images, double min_tolerance,
+                          const RefinementOptions& refinement, const RefineContext& context) {
     Round round;
-    TrackOptions tracks = options.tracks;
+    TrackOptions tracks = context.options.tracks;
     tracks.max_error_px = max_error_by_noise(model, refinement.adjustment, refinement.noise,
-                                             options.tracks.max_error_px);
+                                             context.options.tracks.max_error_px);
     const std::vector<std::uint8_t> observed = observed_features(model, images);
     complete_tracks(model, region, tracks);
     round.changed = merge_tracks(model, region, tracks);
     for (const std::uint32_t image : images) triangulate_image(model, image, tracks);
     const bool free_intrinsics =
-        !fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
+        !context.fix_intrinsics && model.registered_count() >= kImagesForIntrinsics;
     const AdjustmentScope scope = scope_of(model, region, free_intrinsics, refinement);
     // Half a megabyte an image, which is not looked at before the next round.
     model.matches().forget();
     round.adjustment = fitted_to_noise(model, refinement.adjustment, refinement.noise);
     round.adjustment.function_tolerance =
         std::max(round.adjustment.function_tolerance, min_tolerance);
-    const auto report = adjust(model, scope, round.adjustment, cancel);
+    const auto report = adjust(model, scope, round.adjustment, context.cancel);
     if (!report.ok()) return report.error();
     if (scope.points) {
         std::vector<std::uint32_t> others;
@@ -138,20 +139,19 @@ bool is_steady(const Round& round, const WorkingModel& model,
 
 /// Adjusts a region of the model, or all of it when none is given.
 Result<std::uint32_t> refine(WorkingModel& model, const std::vector<std::uint32_t>& region,
-                             bool fix_intrinsics, const RefinementOptions& refinement,
-                             const SolveOptions& options, const std::atomic<bool>* cancel) {
+                             const RefinementOptions& refinement, const RefineContext& context) {
     const double tolerance = refinement.adjustment.function_tolerance;
     bool was_steady = false;
     std::uint32_t adjustments = 0;
     for (int number = 1; number <= refinement.max_rounds; ++number) {
         const bool is_last = was_steady || number == refinement.max_rounds;
-        const auto round = refine_once(
-            model, region, region.empty() ? registered_images(model) : region, fix_intrinsics,
-            is_last ? tolerance : refinement.round_tolerance, refinement, options, cancel);
+        const auto round =
+            refine_once(model, region, region.empty() ? registered_images(model) : region,
+                        is_last ? tolerance : refinement.round_tolerance, refinement, context);
         if (!round.ok()) return round.error();
         ++adjustments;
         // A region is chosen anew where one of its images is gone.
-        if (remove_weak_images(model, options) > 0 && !region.empty()) break;
+        if (remove_weak_images(model, context.options) > 0 && !region.empty()) break;
         if (is_last) break;
         was_steady = is_steady(*round, model, region, refinement);
         if (was_steady && round->adjustment.function_tolerance <= tolerance) break;
@@ -176,23 +176,21 @@ std::uint32_t remove_weak_images(WorkingModel& model, const SolveOptions& option
     return removed;
 }
 
-Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
-                                   const RefinementOptions& refinement, const SolveOptions& options,
-                                   const std::atomic<bool>* cancel) {
-    return refine(model, {}, fix_intrinsics, refinement, options, cancel);
+Result<std::uint32_t> refine_model(WorkingModel& model, const RefinementOptions& refinement,
+                                   const RefineContext& context) {
+    return refine(model, {}, refinement, context);
 }
 
 Result<std::uint32_t> refine_changed_model(WorkingModel& model, SolveEffort effort,
-                                           bool fix_intrinsics, const SolveOptions& options,
-                                           const std::atomic<bool>* cancel) {
+                                           const RefineContext& context) {
+    const SolveOptions& options = context.options;
     const bool is_rough = effort == SolveEffort::kRough;
-    return refine_model(model, fix_intrinsics, is_rough ? options.large_growth : options.growth,
-                        options, cancel);
+    return refine_model(model, is_rough ? options.large_growth : options.growth, context);
 }
 
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
-                                    std::size_t at_least, bool fix_intrinsics,
-                                    const SolveOptions& options, const std::atomic<bool>* cancel) {
+                                    std::size_t at_least, const RefineContext& context) {
+    const SolveOptions& options = context.options;
     std::erase_if(images, [&](std::uint32_t image) { return !model.registered(image); });
     if (images.empty()) return 0U;
     std::vector<std::uint32_t> region = with_neighbors(model, images, options.neighbor_points);
@@ -201,46 +199,40 @@ Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32
         region = with_neighbors(model, region, options.neighbor_points);
     }
     // The others hold the gauge.
-    const bool is_most = 4 * region.size() > 3 * std::size_t{model.registered_count()};
-    if (is_most) region.clear();
-    return refine(model, region, fix_intrinsics, options.large_growth, options, cancel);
+    const double most = options.max_region * static_cast<double>(model.registered_count());
+    if (static_cast<double>(region.size()) > most) region.clear();
+    return refine(model, region, options.large_growth, context);
 }
 
-Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
-                                    std::span<const std::uint32_t> joint, const SolvePlan& plan,
-                                    bool fix_intrinsics, const SolveOptions& options,
-                                    const std::atomic<bool>* cancel) {
-    if (plan.scope == SolveScope::kAll)
-        return refine_changed_model(model, plan.effort, fix_intrinsics, options, cancel);
+Result<std::uint32_t> refine_joined(WorkingModel& model, const Recycling& joined,
+                                    const SolvePlan& plan, const RefineContext& context) {
+    if (plan.scope == SolveScope::kAll) return refine_changed_model(model, plan.effort, context);
     std::vector<std::uint32_t> images;
-    std::ranges::set_union(joined, joint, std::back_inserter(images));
-    const std::size_t at_least = joined.size() + options.images_around_joint;
-    return refine_around(model, std::move(images), at_least, fix_intrinsics, options, cancel);
+    std::ranges::set_union(joined.images, joined.joint, std::back_inserter(images));
+    const std::size_t at_least = joined.images.size() + context.options.images_around_joint;
+    return refine_around(model, std::move(images), at_least, context);
 }
 
 Result<std::uint32_t> refine_joined_locally(WorkingModel& model,
                                             std::span<const std::uint32_t> joined,
-                                            bool fix_intrinsics, const SolveOptions& options,
-                                            const std::atomic<bool>* cancel) {
-    complete_tracks(model, joined, options.tracks);
-    merge_tracks(model, joined, options.tracks);
-    return refine_locally(model, joined, fix_intrinsics, options, cancel);
+                                            const RefineContext& context) {
+    complete_tracks(model, joined, context.options.tracks);
+    merge_tracks(model, joined, context.options.tracks);
+    return refine_locally(model, joined, context);
 }
 
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, const SolvePlan& plan,
-                                   bool fix_intrinsics, const SolveOptions& options,
-                                   const std::atomic<bool>* cancel) {
-    if (plan.scope == SolveScope::kAll)
-        return refine_changed_model(model, plan.effort, fix_intrinsics, options, cancel);
+                                   const RefineContext& context) {
+    if (plan.scope == SolveScope::kAll) return refine_changed_model(model, plan.effort, context);
     std::vector<std::uint32_t> newest = registered_images(model);
     newest.erase(newest.begin(),
                  newest.end() - std::min<std::ptrdiff_t>(grown, std::ssize(newest)));
-    return refine_around(model, std::move(newest), 0, fix_intrinsics, options, cancel);
+    return refine_around(model, std::move(newest), 0, context);
 }
 
 Result<std::uint32_t> refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
-                                     bool fix_intrinsics, const SolveOptions& options,
-                                     const std::atomic<bool>* cancel) {
+                                     const RefineContext& context) {
+    const SolveOptions& options = context.options;
     const auto triangulate_all = [&] {
         for (const std::uint32_t image : images) triangulate_image(model, image, options.tracks);
     };
@@ -248,12 +240,13 @@ Result<std::uint32_t> refine_locally(WorkingModel& model, std::span<const std::u
     std::uint32_t adjustments = 0;
     // The second pass works on what the first has filtered (COLMAP's mapper does likewise).
     for (int pass = 0; pass < 2; ++pass) {
-        const AdjustmentScope scope = local_scope(model, images, options.local_neighbors,
-                                                  options.local_longest_track, !fix_intrinsics);
-        const auto report = adjust(model, scope, options.local_adjustment, cancel);
+        const AdjustmentScope scope =
+            local_scope(model, images, options.local_neighbors, options.local_longest_track,
+                        !context.fix_intrinsics);
+        const auto report = adjust(model, scope, options.local_adjustment, context.cancel);
         if (!report.ok()) return report.error();
         ++adjustments;
-        if (filter_tracks(model, scope.free_images, options.tracks) < 10) break;
+        if (filter_tracks(model, scope.free_images, options.tracks) < kFilteredForAnother) break;
         triangulate_all();
     }
     return adjustments;

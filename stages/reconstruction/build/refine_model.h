@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "graph/result.h"
+#include "stages/reconstruction/build/recycle_models.h"
 #include "stages/reconstruction/model/plan_solve.h"
+#include "stages/reconstruction/model/solve_context.h"
 #include "stages/reconstruction/model/solve_options.h"
 #include "stages/reconstruction/model/working_model.h"
 
@@ -17,73 +18,54 @@ namespace psfm {
 
 /// Adjusts all of a model: completes and joins tracks, adjusts, filters, and again until little
 /// changes; takes out images that are left with too few observations.
-/// @param cancel  asked before each step of an adjustment; may be null
-/// @return bundle adjustments done
+/// @return bundle adjustments done, here and below
 /// @errors kDegenerate, kCancelled
-Result<std::uint32_t> refine_model(WorkingModel& model, bool fix_intrinsics,
-                                   const RefinementOptions& refinement, const SolveOptions& options,
-                                   const std::atomic<bool>* cancel = nullptr);
+Result<std::uint32_t> refine_model(WorkingModel& model, const RefinementOptions& refinement,
+                                   const RefineContext& context);
 
 /// The same after much of a model has changed: to convergence (`growth`) or, roughly, in the few
 /// steps of `large_growth`.
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_changed_model(WorkingModel& model, SolveEffort effort,
-                                           bool fix_intrinsics, const SolveOptions& options,
-                                           const std::atomic<bool>* cancel = nullptr);
+                                           const RefineContext& context);
 
 /// The same, roughly (`large_growth`), of some images, of all who share points with them, and so on
 /// until there are so many; the rest of the model holds the gauge. All of it is adjusted when that
-/// would be most of it.
+/// would be most of it (`max_region`).
 /// @param images  ascending; those that are not registered do not count
-/// @param cancel  as above
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_around(WorkingModel& model, std::vector<std::uint32_t> images,
-                                    std::size_t at_least, bool fix_intrinsics,
-                                    const SolveOptions& options,
-                                    const std::atomic<bool>* cancel = nullptr);
+                                    std::size_t at_least, const RefineContext& context);
 
 /// Adjusts a model that others were joined to: all of it (refine_changed_model) or, where the
 /// plan has kJoint, the joined images and the first model around the joint, whose far
 /// end holds the gauge: a part that was moved by a similarity is not held by anything else, and
 /// finds its place as a whole.
-/// @param joined  images of the models that were joined to the first, ascending
-/// @param joint  ends of edges between the models, ascending
-/// @param cancel  as above
 /// @errors kDegenerate, kCancelled
-Result<std::uint32_t> refine_joined(WorkingModel& model, std::span<const std::uint32_t> joined,
-                                    std::span<const std::uint32_t> joint, const SolvePlan& plan,
-                                    bool fix_intrinsics, const SolveOptions& options,
-                                    const std::atomic<bool>* cancel = nullptr);
+Result<std::uint32_t> refine_joined(WorkingModel& model, const Recycling& joined,
+                                    const SolvePlan& plan, const RefineContext& context);
 
 /// Makes one of the tracks that small models and the one that they were joined to have apart, and
 /// adjusts the joined images with their neighbours (refine_locally).
-/// @param joined  as above
-/// @param cancel  as above
-/// @return bundle adjustments done
+/// @param joined  images of the models that were joined to the first, ascending
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_joined_locally(WorkingModel& model,
                                             std::span<const std::uint32_t> joined,
-                                            bool fix_intrinsics, const SolveOptions& options,
-                                            const std::atomic<bool>* cancel = nullptr);
+                                            const RefineContext& context);
 
 /// Adjusts a model that has grown by so many images since the last time: all of it, as in the
 /// paper, or, where the plan has kJoint, the images that came last, with their neighbours.
-/// @param cancel  as above
 /// @errors kDegenerate, kCancelled
 Result<std::uint32_t> refine_grown(WorkingModel& model, std::uint32_t grown, const SolvePlan& plan,
-                                   bool fix_intrinsics, const SolveOptions& options,
-                                   const std::atomic<bool>* cancel = nullptr);
+                                   const RefineContext& context);
 
 /// Adjusts images and their surroundings: creates and continues their points, adjusts them with the
 /// neighbours that share most points with them, filters, and once more where much was filtered.
 /// @param images  ascending
-/// @param cancel  as above
-/// @return bundle adjustments done
 /// @errors kDegenerate (poses and points are as the last adjustment that found a solution left
 /// them), kCancelled
 Result<std::uint32_t> refine_locally(WorkingModel& model, std::span<const std::uint32_t> images,
-                                     bool fix_intrinsics, const SolveOptions& options,
-                                     const std::atomic<bool>* cancel = nullptr);
+                                     const RefineContext& context);
 
 /// Registered images with fewer observations than the options ask for are taken out of the model.
 /// @return how many

@@ -154,35 +154,36 @@ void triangulate_tracks(WorkingModel& model, const std::vector<FeatureTrack>& tr
 /// all.
 /// @return adjustments done
 Result<std::uint32_t> adjust_in_rounds(WorkingModel& model, const std::vector<FeatureTrack>& tracks,
-                                       bool fix_intrinsics, const SolveOptions& options,
-                                       const std::atomic<bool>* cancel) {
+                                       const RefineContext& context) {
+    const SolveOptions& options = context.options;
     std::uint32_t adjustments = 0;
     TrackOptions allowed = options.tracks;
     allowed.max_error_px = std::max(options.global.start_error_px, options.tracks.max_error_px);
     bool last = false;
     while (!last) {
-        if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
+        if (const auto going_on = not_cancelled(context.cancel); !going_on.ok())
+            return going_on.error();
         last = allowed.max_error_px <= options.tracks.max_error_px;
         triangulate_tracks(model, tracks, allowed);
         AdjustmentOptions adjustment = options.global.adjustment;
         if (!last) adjustment.function_tolerance = options.global.round_tolerance;
-        const auto report = adjust(model, full_scope(model, !fix_intrinsics), adjustment, cancel);
+        const auto report =
+            adjust(model, full_scope(model, !context.fix_intrinsics), adjustment, context.cancel);
         if (!report.ok()) return report.error();
         ++adjustments;
         filter_tracks(model, {}, allowed);
         allowed.max_error_px = std::max(0.5 * allowed.max_error_px, options.tracks.max_error_px);
     }
     const SolveEffort effort = options.policy.effort_of(model.registered_count());
-    const auto all = refine_changed_model(model, effort, fix_intrinsics, options, cancel);
+    const auto all = refine_changed_model(model, effort, context);
     if (!all.ok()) return all.error();
     return adjustments + *all;
 }
 
 }  // namespace
 
-Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProblem& problem,
-                                        const LocalGraph& graph, const SolveOptions& options,
-                                        const std::atomic<bool>* cancel) {
+Result<GlobalStart> initialize_globally(WorkingModel& model, const SolveContext& context) {
+    const auto& [problem, graph, options, cancel] = context;
     if (const auto going_on = not_cancelled(cancel); !going_on.ok()) return going_on.error();
     const auto calibrated = calibrate_shared_cameras(problem, graph, options, cancel);
     if (!calibrated.ok()) return calibrated.error();
@@ -196,7 +197,7 @@ Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProble
     if (!placement.ok()) return placement.error();
     const auto adjusted = adjust_in_rounds(
         model, covering_tracks(model, placement->pairs, options.global.adjusted_tracks_per_image),
-        problem.fix_intrinsics, options, cancel);
+        context.refining());
     if (!adjusted.ok()) {
         unregister_all(model);
         return adjusted.error();

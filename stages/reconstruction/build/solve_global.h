@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "graph/result.h"
-#include "stages/reconstruction/model/cluster_problem.h"
-#include "stages/reconstruction/model/local_graph.h"
-#include "stages/reconstruction/model/solve_options.h"
+#include "stages/reconstruction/model/solve_context.h"
 #include "stages/reconstruction/model/working_model.h"
 
 namespace psfm {
@@ -36,8 +33,6 @@ struct GlobalStart {
 /// @errors kDegenerate (fewer than five images could be placed: the model is as it was, but for
 /// intrinsics; the incremental way may still do), kCancelled, kInternal
 /// Deterministic for equal problems and options.
-Result<GlobalStart> initialize_globally(WorkingModel& model, const ClusterProblem& problem,
-                                        const LocalGraph& graph, const SolveOptions& options,
-                                        const std::atomic<bool>* cancel);
+Result<GlobalStart> initialize_globally(WorkingModel& model, const SolveContext& context);
 
 }  // namespace psfm

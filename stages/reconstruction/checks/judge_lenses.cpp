@@ -59,6 +59,7 @@ struct LensQuestion {
     Result<std::optional<LensTrial>> adjusted(WorkingModel model) const {
         const auto report = adjust(model, scope, options, cancel);
         if (report.ok()) return std::optional(LensTrial{std::move(model), report->rms_after_px});
+        // Expected: a lens with which nothing can be adjusted is no lens of the photographs
         if (report.error().code == ErrorCode::kCancelled) return report.error();
         return std::optional<LensTrial>();
     }

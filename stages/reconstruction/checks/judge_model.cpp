@@ -26,7 +26,13 @@ std::size_t observation_count(const Reconstruction& model) {
 bool is_bad_configuration(const Contradiction& contradiction, const SolveState& state,
                           const DueQuestions& due, const SolveOptions& options) {
     if (contradiction.angle_deg <= options.max_contradiction_deg) return false;
-    return due.rotations || contradiction.angle_deg > 1.5 * state.tolerated_contradiction_deg;
+    return due.rotations ||
+           contradiction.angle_deg > options.reset.worse_by * state.tolerated_contradiction_deg;
+}
+
+bool is_stuck(std::size_t placed, const ClusterProblem& problem, const SolveOptions& options) {
+    return static_cast<double>(placed) <
+           options.reset.stuck_below * static_cast<double>(problem.images.size());
 }
 
 std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
@@ -36,8 +42,7 @@ std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
     const DueQuestions due = plan_solve(problem, attempt.state, placed, options.policy).due;
     if (is_bad_configuration(attempt.contradiction, attempt.state, due, options))
         return Reset::Reason::kContradiction;
-    // What was started with few images may stand where the others cannot be reached from.
-    if (due.new_start && 4 * placed < 3 * problem.images.size()) return Reset::Reason::kStuck;
+    if (due.new_start && is_stuck(placed, problem, options)) return Reset::Reason::kStuck;
     return std::nullopt;
 }
 
@@ -51,10 +56,13 @@ bool is_put_off(const SolveAttempt& attempt, const ClusterProblem& problem, Rese
 bool is_better(const SolveAttempt& fresh, const SolveAttempt& old, Reset::Reason reason,
                const SolveOptions& options) {
     const std::size_t size = fresh.model.images.size();
+    const auto keeps = [&](std::size_t count, std::size_t before) {
+        return static_cast<double>(count) >= options.reset.min_kept * static_cast<double>(before);
+    };
     if (reason == Reset::Reason::kContradiction) {
         return contradicting_part(fresh) < contradicting_part(old) &&
-               5 * size >= 4 * old.model.images.size() &&
-               5 * observation_count(fresh.model) >= 4 * observation_count(old.model) &&
+               keeps(size, old.model.images.size()) &&
+               keeps(observation_count(fresh.model), observation_count(old.model)) &&
                !brings_doubt(fresh.model, old.model, options);
     }
     return size > old.model.images.size() &&

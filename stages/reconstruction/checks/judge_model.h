@@ -32,8 +32,12 @@ struct SolveAttempt {
 bool is_bad_configuration(const Contradiction& contradiction, const SolveState& state,
                           const DueQuestions& due, const SolveOptions& options);
 
+/// Whether a model leaves out much of its cluster (ResetOptions::stuck_below): what was started
+/// with few images may stand where the others cannot be reached from.
+bool is_stuck(std::size_t placed, const ClusterProblem& problem, const SolveOptions& options);
+
 /// Whether a recycled model is to be compared with a new one, and why: it is a bad configuration,
-/// or it leaves out more than a quarter of a cluster that has grown since it was started (ours).
+/// or it is stuck, in a cluster that has grown since it was started (ours).
 std::optional<Reset::Reason> reason_to_reset(const SolveAttempt& attempt,
                                              const ClusterProblem& problem,
                                              const SolveOptions& options);

@@ -12,12 +12,21 @@
 
 namespace psfm {
 
+/// What adjusting a model in work reads.
+struct RefineContext {
+    const SolveOptions& options;
+    bool fix_intrinsics = false;
+    const std::atomic<bool>* cancel = nullptr;  ///< asked before each step of an adjustment
+};
+
 /// What the steps of one solve read.
 struct SolveContext {
     const ClusterProblem& problem;
     const LocalGraph& graph;
     const SolveOptions& options;
     const std::atomic<bool>* cancel = nullptr;  ///< as solve_cluster's
+
+    RefineContext refining() const { return {options, problem.fix_intrinsics, cancel}; }
 };
 
 /// What they write: a model in work, what the next solve is to know of it, and what was done.

@@ -39,6 +39,14 @@ Result<void> validate(const SolveOptions& options) {
         return Error{ErrorCode::kInvalidArgument,
                      "a pose needs four points, and agrees with a part of them, at most all"};
     }
+    const ResetOptions& reset = options.reset;
+    if (!(reset.worse_by >= 1) || !(reset.stuck_below >= 0) || !(reset.min_kept >= 0) ||
+        !(reset.enough >= 0) || !(reset.max_left >= 0) || !(reset.max_lost >= 0) ||
+        !(options.max_region >= 0)) {
+        return Error{ErrorCode::kInvalidArgument,
+                     "worse_by is at least 1; the other bounds of reset, and max_region, are parts "
+                     "of a whole, not negative"};
+    }
     if (!(options.max_reset_images >= 0) || !(options.max_contradicting_edges >= 0)) {
         return Error{ErrorCode::kInvalidArgument,
                      "max_reset_images and max_contradicting_edges are parts of a whole, not "

@@ -166,6 +166,27 @@ struct StrongLensOptions {
     double max_bend_deg = 5.0;
 };
 
+/// When a model gives way to another one (judge_model.h, mend_model.h, solve_new.h). None of it is
+/// tuned.
+struct ResetOptions {
+    /// A contradiction that was kept is looked into again when it is so many times as large.
+    /// Lowered: slower where rotations are ambiguous; raised: a model that has got worse lives on.
+    double worse_by = 1.5;
+    /// Of its cluster, the part that a model must hold; below that the cluster is solved new now
+    /// and then, and cameras that are taken for one are tried apart. Raised: slower.
+    double stuck_below = 0.75;
+    /// Of the old model's images, and of its observations, the part that one with fewer
+    /// contradictions must have. Lowered: a better shape at the price of images.
+    double min_kept = 0.8;
+    /// Of a cluster, the part that a start must hold for no other start to be made. Raised: slower.
+    double enough = 0.5;
+    /// Of the contradicting edges, the part that may be left in a model that was taken apart and
+    /// joined again; and of its images, the part that it may lose by that. Raised: worse models
+    /// live on; lowered: slower, since the cluster is solved new.
+    double max_left = 0.5;
+    double max_lost = 0.05;
+};
+
 struct SolveOptions {
     /// The sizes at which a solve changes its ways.
     SolvePolicy policy;
@@ -187,6 +208,9 @@ struct SolveOptions {
     /// is: about what a pose is taken from at least. Raised: smaller regions, held by more;
     /// lowered: slower. Ours.
     std::uint32_t neighbor_points = 15;
+    /// Part of a model above which a region of it is not adjusted, but all of it. Raised: hardly
+    /// faster than all; lowered: slower. Not tuned.
+    double max_region = 0.75;
     /// Images that are added before models that came along and found no joint are tried again;
     /// twice as many each time. Lowered: tried in vain more often; raised: more is built a second
     /// time. Not tuned.
@@ -217,6 +241,7 @@ struct SolveOptions {
     /// again: at such places it is the averaged
     /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours.
     double max_contradicting_edges = 0.02;
+    ResetOptions reset;
     /// When images that a model shows side by side are of different places.
     PlaceOptions places;
     /// When images that match and stand apart are brought together.

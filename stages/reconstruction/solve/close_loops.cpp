@@ -159,10 +159,9 @@ Result<LoopClosing> close_loops(WorkingModel& model, const SolveContext& context
     if (!closing) return nothing;
     WorkingModel trial = model;
     move(trial, closing->model_from_image);
-    const auto adjustments =
-        refine_around(trial, closing->strained, 0, context.problem.fix_intrinsics, context.options,
-                      context.cancel);
+    const auto adjustments = refine_around(trial, closing->strained, 0, context.refining());
     if (!adjustments.ok()) {
+        // Expected: what cannot be adjusted once it is closed stays open
         if (adjustments.error().code == ErrorCode::kCancelled) return adjustments.error();
         return nothing;
     }

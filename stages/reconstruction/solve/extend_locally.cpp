@@ -44,8 +44,8 @@ Result<std::optional<SolveAttempt>> extend_locally(const ClusterProblem& problem
     SolveDraft draft = make_draft(context, matches);
     draft.state = state_of_recycled(problem);
     const auto adjust_joint = [&](const Recycling& recycling) -> Result<bool> {
-        const auto adjustments = refine_joined_locally(draft.model, recycling.images,
-                                                       part.fix_intrinsics, options, cancel);
+        const auto adjustments =
+            refine_joined_locally(draft.model, recycling.images, context.refining());
         if (!adjustments.ok()) return adjustments.error();
         draft.statistics.local_adjustments += *adjustments;
         return true;

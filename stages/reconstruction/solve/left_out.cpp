@@ -56,6 +56,7 @@ Result<std::vector<ImageId>> model_within(const ClusterProblem& rest, const Clus
     const auto attempt = solve(rest);
     if (attempt.ok()) {
         images = images_of(attempt->model);
+        // Expected: images of which no model can be made make none
     } else if (attempt.error().code == ErrorCode::kCancelled) {
         return attempt.error();
     }

@@ -51,8 +51,7 @@ Result<std::vector<std::uint32_t>> rejoin_parts(SolveDraft& draft, const SolveCo
     const Recycling joined = join_models(draft.model, std::move(parts), context);
     if (joined.joined == 0) return std::vector<std::uint32_t>{};
     const auto adjustments =
-        refine_joined(draft.model, joined.images, joined.joint, plan_from(draft, context),
-                      context.problem.fix_intrinsics, context.options, context.cancel);
+        refine_joined(draft.model, joined, plan_from(draft, context), context.refining());
     if (!adjustments.ok()) return adjustments.error();
     draft.statistics.full_adjustments += *adjustments;
     draft.state.images_at_full_adjustment = draft.model.registered_count();
@@ -62,8 +61,11 @@ Result<std::vector<std::uint32_t>> rejoin_parts(SolveDraft& draft, const SolveCo
 
 /// Whether so much of the contradiction is gone that the parts belong where they are now.
 bool is_worth_keeping(const Contradiction& before, const Contradiction& left,
-                      std::size_t placed_before, std::size_t placed) {
-    return 2 * left.beyond <= before.beyond && placed >= placed_before - placed_before / 20;
+                      std::size_t placed_before, std::size_t placed, const ResetOptions& options) {
+    return static_cast<double>(left.beyond) <=
+               options.max_left * static_cast<double>(before.beyond) &&
+           static_cast<double>(placed) >=
+               (1.0 - options.max_lost) * static_cast<double>(placed_before);
 }
 
 }  // namespace
@@ -81,12 +83,13 @@ Result<void> mend_model(SolveDraft& draft, const SolveContext& context) {
     } else if (context.options.policy.is_large(placed_before)) {
         SolveDraft trial = draft;
         auto moved = rejoin_parts(trial, context);
-        // Else the cluster is solved new.
+        // Expected: a model whose parts cannot be adjusted is solved new by the caller
         if (!moved.ok())
             return moved.error().code == ErrorCode::kCancelled ? moved.error() : Result<void>();
         const Contradiction left = find_contradiction(trial.model, context.graph, max_deg);
         if (moved->empty() ||
-            !is_worth_keeping(before, left, placed_before, trial.model.registered_count()))
+            !is_worth_keeping(before, left, placed_before, trial.model.registered_count(),
+                              context.options.reset))
             return {};
         draft = std::move(trial);
         images = *std::move(moved);

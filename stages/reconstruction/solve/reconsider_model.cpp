@@ -88,6 +88,7 @@ void note_best(Search& search, Judged best) {
 Result<void> offer(Search& search, const ClusterProblem& posed) {
     auto other = search.solve(posed);
     if (!other.ok()) {
+        // Expected: a cluster of fewer edges may have no model
         if (other.error().code == ErrorCode::kCancelled) return other.error();
         return {};
     }

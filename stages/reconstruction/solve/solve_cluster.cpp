@@ -48,13 +48,13 @@ void note_compared(const ClusterProblem& problem, Reset::Reason reason, SolveAtt
 }
 
 /// Extends what is recycled, or solves new when the result contradicts the averaged rotations or
-/// leaves much of the cluster out.
+/// leaves much of the cluster out: steps 4 and 5.
 Result<SolveAttempt> solve_or_reset(const SolveContext& context,
                                     const CorrespondenceGraph& matches) {
     const ClusterProblem& problem = context.problem;
-    auto attempt = solve_recycled(context, matches);
+    auto attempt = solve_recycled(context, matches);  // 4
     if (!attempt.ok() || attempt->places) return attempt;
-    const auto reason = reason_to_reset(*attempt, problem, context.options);
+    const auto reason = reason_to_reset(*attempt, problem, context.options);  // 5
     attempt->state.new_start_is_due = reason
                                           ? is_put_off(*attempt, problem, *reason, context.options)
                                           : attempt->state.new_start_is_due && !problem.settle;
@@ -77,16 +77,17 @@ Result<SolveAttempt> solve_or_reset(const SolveContext& context,
 /// Steps 2 to 5 of solve_cluster.
 Result<SolveAttempt> attempt_solve(const ClusterProblem& problem, const SolveOptions& options,
                                    const std::atomic<bool>* cancel) {
-    const SolvePlan plan = plan_solve(problem, options.policy);
+    const SolvePlan plan = plan_solve(problem, options.policy);  // 2
     if (plan.scope == SolveScope::kSurroundings) {
         auto extended = extend_locally(problem, options, cancel);
         if (!extended.ok()) return extended.error();
         if (*extended) return **std::move(extended);
     }
-    const auto graph = make_local_graph(problem, options);
+    const auto graph = make_local_graph(problem, options);  // 3
     if (!graph.ok()) return graph.error();
     const CorrespondenceGraph matches = correspondences_of(problem, *graph);
     const SolveContext context{problem, *graph, options, cancel};
+    // 4 and 5: what is new has nothing to be compared with.
     auto attempt = plan.start == SolveStart::kRecycled ? solve_or_reset(context, matches)
                                                        : solve_new(plan.start, context, matches);
     if (!attempt.ok()) return attempt.error();
@@ -196,7 +197,7 @@ Result<ClusterSolution> solve(const ClusterProblem& problem, const SolveOptions&
         return solve_with_ties(posed, options, solve_tied);
     };
     const auto reconsidered = as_reconsidered(problem, options.doubt);
-    auto attempt = solve_once(reconsidered ? *reconsidered : problem);  // 1 to 6
+    auto attempt = solve_once(reconsidered ? *reconsidered : problem);  // 1, and 6 around 2 to 5
     if (attempt.ok() && problem.concluding)
         attempt = reconsider_model(problem, *std::move(attempt), options, solve_once);  // 7
     if (attempt.ok())

@@ -21,15 +21,18 @@ namespace psfm {
 ///    with a new start (judge_model.h).
 /// 6. The ties of cameras are judged; those that do not hold are cut, and 2 to 5 done again.
 /// 7. Once no photograph follows, a doubtful model is compared with others (reconsider_model.h).
-/// 8. Where it settles, lenses get a second coefficient that need one (settle_lenses.h).
+/// 8. Where it settles, lenses get a second coefficient that need one (settle_lenses.h): it has to
+/// be known which cameras are one.
 /// 9. A model of two images, or of invented depth, is given up, which empties the attempt, state
 /// and places, too; a weak one says so in SolveState::weaknesses (assess_model.h).
 /// 10. It is asked whether the model shows several places (separate_places.h), unless step 2, 4 or
-/// 7 has asked.
+/// 7 has asked; of what 8 has solved anew it is asked again.
 /// 11. Where it does not, and no photograph follows, it is asked whether images that it leaves out
 /// make a model of their own (left_out.h). An empty model leaves nothing out.
 ///
-/// Steps 2 to 5 make a SolveAttempt (judge_model.h) through a SolveDraft; the others take one.
+/// Steps 2 to 5 make a SolveAttempt (judge_model.h) through a SolveDraft; the others take one, and
+/// read it and the problem alone: 9 may as well stand behind 10. What a step does is held by the
+/// test of its file.
 /// A cluster below mu_min, or one that no pair can start, has an empty model and the reason for
 /// each image.
 /// @param cancel  when it becomes true the solve ends soon with kCancelled; may be null

@@ -22,8 +22,7 @@ bool is_cancelled(const Error& error) {
 Result<SolveAttempt> solve_globally(const SolveContext& context,
                                     const CorrespondenceGraph& matches) {
     SolveDraft draft = make_draft(context, matches);
-    const auto start = initialize_globally(draft.model, context.problem, context.graph,
-                                           context.options, context.cancel);
+    const auto start = initialize_globally(draft.model, context);
     if (!start.ok()) return start.error();
     draft.statistics.is_global = true;
     draft.statistics.registered = start->placed;
@@ -32,8 +31,7 @@ Result<SolveAttempt> solve_globally(const SolveContext& context,
     if (const auto grown = grow_model(draft, context); !grown.ok()) return grown.error();
     if (draft.model.registered_count() > start->placed) {
         const auto adjustments =
-            refine_changed_model(draft.model, plan_from(draft, context).effort,
-                                 context.problem.fix_intrinsics, context.options, context.cancel);
+            refine_changed_model(draft.model, plan_from(draft, context).effort, context.refining());
         if (!adjustments.ok()) return adjustments.error();
         note_adjusted(draft, *adjustments);
     }
@@ -48,14 +46,15 @@ Result<void> take_if_larger(SolveDraft& draft, const SolveContext& context, Solv
     const RefinementOptions& refinement =
         context.problem.concluding ? context.options.settling : context.options.growth;
     while (draft.model.registered_count() > best.model.images.size()) {
-        const auto adjustments = refine_model(draft.model, context.problem.fix_intrinsics,
-                                              refinement, context.options, context.cancel);
+        const auto adjustments = refine_model(draft.model, refinement, context.refining());
+        // Expected: a start that cannot be adjusted is none, and the best so far stays
         if (!adjustments.ok())
             return is_cancelled(adjustments.error()) ? adjustments.error() : Result<void>();
         note_adjusted(draft, *adjustments);
         if (draft.model.registered_count() <= best.model.images.size()) break;
         best = finish_attempt(draft, context);
         const auto grown = grow_model(draft, context);
+        // Expected: the adjusted start stays without what could not be added
         if (!grown.ok()) return is_cancelled(grown.error()) ? grown.error() : Result<void>();
     }
     return {};
@@ -74,13 +73,14 @@ Result<SolveAttempt> solve_incrementally(const SolveContext& context,
         draft.state.images_at_full_adjustment = draft.model.registered_count();
         draft.statistics.registered = draft.model.registered_count();
         const auto grown = grow_model(draft, context);
-        // A start that degenerates leads nowhere; another one may.
+        // Expected: a start that degenerates leads nowhere; another one may
         if (!grown.ok() && grown.error().code != ErrorCode::kDegenerate) return grown.error();
         if (grown.ok()) {
             const auto taken = take_if_larger(draft, context, best);
             if (!taken.ok()) return taken.error();
         }
-        if (2 * best.model.images.size() > members) break;
+        const double enough = context.options.reset.enough * static_cast<double>(members);
+        if (static_cast<double>(best.model.images.size()) > enough) break;
         used[seed->first] = used[seed->second] = true;
         for (std::uint32_t image = 0; image < draft.model.image_count(); ++image) {
             if (draft.model.registered(image)) used[image] = true;
@@ -95,7 +95,7 @@ Result<SolveAttempt> solve_new(SolveStart start, const SolveContext& context,
                                const CorrespondenceGraph& matches) {
     if (start == SolveStart::kGlobal) {
         auto attempt = solve_globally(context, matches);
-        // What could not be started globally may still be grown.
+        // Expected: what could not be started globally may still be grown
         if (attempt.ok() || is_cancelled(attempt.error())) return attempt;
     }
     return solve_incrementally(context, matches);

@@ -40,19 +40,17 @@ Result<LoopClosing> close_open_loops(SolveDraft& draft, const SolveContext& cont
 /// Adjusts what was joined where it was joined, or all of the model where it has grown enough.
 Result<void> adjust_joined(SolveDraft& draft, const Recycling& recycling,
                            const SolveContext& context) {
-    const bool fix_intrinsics = context.problem.fix_intrinsics;
     const std::size_t adjusted = draft.state.images_at_full_adjustment;
     if (!context.options.policy.full_adjustment.is_due(adjusted + recycling.images.size(),
                                                        adjusted)) {
-        const auto locally = refine_joined_locally(draft.model, recycling.images, fix_intrinsics,
-                                                   context.options, context.cancel);
+        const auto locally =
+            refine_joined_locally(draft.model, recycling.images, context.refining());
         if (!locally.ok()) return locally.error();
         draft.statistics.local_adjustments += *locally;
         return {};
     }
     const auto adjustments =
-        refine_joined(draft.model, recycling.images, recycling.joint, plan_from(draft, context),
-                      fix_intrinsics, context.options, context.cancel);
+        refine_joined(draft.model, recycling, plan_from(draft, context), context.refining());
     if (!adjustments.ok()) return adjustments.error();
     note_adjusted(draft, *adjustments);
     return {};
@@ -96,8 +94,7 @@ Result<void> mend_bad_configuration(SolveDraft& draft, const SolveContext& conte
 
 Result<void> settle(SolveDraft& draft, const SolveContext& context) {
     const auto adjustments =
-        refine_model(draft.model, context.problem.fix_intrinsics, context.options.settling,
-                     context.options, context.cancel);
+        refine_model(draft.model, context.options.settling, context.refining());
     if (!adjustments.ok()) return adjustments.error();
     note_adjusted(draft, *adjustments);
     return {};

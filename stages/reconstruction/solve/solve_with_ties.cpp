@@ -69,15 +69,16 @@ bool is_new(const SolveAttempt& attempt) {
 Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveOptions& options,
                                      const AttemptSolve& attempt_solve) {
     if (problem.alike.empty() || problem.fix_intrinsics) return attempt_solve(problem);
-    CameraTies ties = recycled_ties(problem);
+    CameraTies ties = recycled_ties(problem);  // step 1 of solve_cluster
     auto attempt = attempt_solve(tied(problem, ties));
     if (!attempt.ok() || has_places(*attempt)) return attempt;
     // Lenses that differ much keep images out of a model that has one for all.
     const std::size_t placed = attempt->model.images.size();
-    if (is_new(*attempt) && 4 * placed < 3 * problem.images.size() && ties != untied(problem)) {
+    if (is_new(*attempt) && is_stuck(placed, problem, options) && ties != untied(problem)) {
         ClusterProblem apart = problem;
         apart.recycled.clear();
         auto fresh = attempt_solve(apart);
+        // Expected: where there is no model with cameras apart, the one with ties stays
         if (!fresh.ok() && fresh.error().code == ErrorCode::kCancelled) return fresh;
         if (fresh.ok() && !has_places(*fresh) && fresh->model.images.size() > placed) {
             fresh->statistics.reset = attempt->statistics.reset;
@@ -86,7 +87,8 @@ Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveO
         }
     }
     if (!is_due(*attempt, problem, options.policy)) return attempt;
-    return settle_ties(*std::move(attempt), std::move(ties), problem, options, attempt_solve);
+    return settle_ties(*std::move(attempt), std::move(ties), problem, options,
+                       attempt_solve);  // step 6
 }
 
 }  // namespace psfm

@@ -32,12 +32,16 @@ struct AloneAndTogether {
 class AdmissionTest : public ::testing::Test {
   protected:
     /// A session in which the model of the last images is being solved.
-    std::unique_ptr<test::SerialSession> solving(bool deterministic) {
+    /// @param tokens  outlive it
+    std::unique_ptr<test::SerialSession> solving(bool deterministic,
+                                                 const Admission* tokens = nullptr) {
         auto opened = SessionStore::open(folder_.session(), {});
         EXPECT_TRUE(opened.ok());
         store_ = *std::move(opened);
-        auto session = std::make_unique<test::SerialSession>(*store_, images_.scene, images_.pairs,
-                                                             deterministic);
+        auto session = std::make_unique<test::SerialSession>(
+            *store_, images_.scene, images_.pairs, deterministic,
+            ClusteringOptions{.join_below = 0}, SolvePolicy{},
+            CommitterPace{.image_tokens = tokens});
         for (std::uint32_t i = 0; i < kAlone + kBeforeModel; ++i) session->add_image();
         start_ = session->released();
         session->hold_solves();
@@ -92,10 +96,9 @@ TEST_F(AdmissionTest, VersionsLeaveTimeForOtherWork) {
 }
 
 TEST_F(AdmissionTest, AQuietMomentBetweenPhotographsIsNoTimeForAVersion) {
-    const auto session = solving(false);
+    const Admission tokens(1);
+    const auto session = solving(false, &tokens);
     session->release_solves();
-    Admission tokens(1);
-    session->watch(tokens);
     session->merges_take(1e9);
     session->add_image();
     const std::uint64_t before = session->state().scene->version;
@@ -110,10 +113,9 @@ TEST_F(AdmissionTest, AQuietMomentBetweenPhotographsIsNoTimeForAVersion) {
 }
 
 TEST_F(AdmissionTest, AVersionIsBegunAtOnceWhenNothingComesInBeforeIt) {
-    const auto session = solving(false);
+    const Admission none(0);
+    const auto session = solving(false, &none);
     session->release_solves();
-    Admission none(0);
-    session->watch(none);
     session->merges_take(1e9);
     for (int i = 0; i < 4; ++i) session->add_image();
     EXPECT_EQ(session->reported().size(), kAlone + kTogether);

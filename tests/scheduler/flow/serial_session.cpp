@@ -53,7 +53,8 @@ std::unique_ptr<SessionStore> open_store(const testing::TemporaryFolder& folder)
 
 SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
                              const std::vector<VerifiedPairPtr>& pairs, bool deterministic,
-                             const ClusteringOptions& clustering, const SolvePolicy& policy)
+                             const ClusteringOptions& clustering, const SolvePolicy& policy,
+                             const CommitterPace& pace)
     : scene_(&scene), pairs_(&pairs) {
     const SessionConfig config = config_of(scene, deterministic);
     options_ = *stage_options(config);
@@ -64,7 +65,8 @@ SerialSession::SerialSession(SessionStore& store, const synthetic::SyntheticScen
     std::vector<CommitInput> messages{CatchUp{}};
     for (const AcceptedImagePtr& image : restored->unverified)
         messages.emplace_back(ResumedImage{image});
-    committer_ = std::make_unique<Committer>(store, config, options_, std::move(restored->state));
+    committer_ =
+        std::make_unique<Committer>(store, config, options_, std::move(restored->state), pace);
     EXPECT_TRUE(run(std::move(messages), kAll));
 }
 

@@ -25,18 +25,16 @@ class SerialSession {
     /// @param pairs  all of them; an image brings those with earlier ones
     /// @param clustering  by default parts of a few images, as these scenes have, stay parts
     /// @param policy  when clusters are solved how
-    /// REQUIRES: scene and pairs outlive the session
+    /// REQUIRES: scene, pairs, and the image tokens of the pace outlive the session
     SerialSession(SessionStore& store, const synthetic::SyntheticScene& scene,
                   const std::vector<VerifiedPairPtr>& pairs, bool deterministic = true,
                   const ClusteringOptions& clustering = {.join_below = 0},
-                  const SolvePolicy& policy = {});
+                  const SolvePolicy& policy = {}, const CommitterPace& pace = {});
 
     static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
     /// Takes the next image through all stages; or handles so many messages of it only, like a
     /// process that is killed then. @return whether it got to the end
     bool add_image(std::size_t messages = kAll);
-    /// The image tokens that the source of photographs takes.
-    void watch(const Admission& image_tokens) { committer_->watch(image_tokens); }
     /// The source has no photograph at present.
     void idle();
     /// No image will follow: settles the models.
@@ -56,10 +54,6 @@ class SerialSession {
     /// Merges take until release_merge(), which lets the one in flight end.
     void hold_merges() { holds_merges_ = true; }
     void release_merge();
-    /// See Committer::keep_idle.
-    void keep_idle(std::size_t bytes) { committer_->keep_idle(bytes); }
-    /// See Committer::settle_at_once.
-    void settle_at_once(std::size_t models) { committer_->settle_at_once(models); }
     /// What merges say that they took from now on.
     void merges_take(double milliseconds) { merge_ms_ = milliseconds; }
 

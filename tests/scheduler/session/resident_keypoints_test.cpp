@@ -118,8 +118,8 @@ TEST(KeypointsOfASession, LeaveMemoryAndChangeNothing) {
     for (const std::size_t budget : {std::size_t{1} << 30U, std::size_t{0}}) {
         const testing::TemporaryFolder folder;
         const auto store = test::open_store(folder);
-        SerialSession session(*store, walls.scene, walls.pairs);
-        session.keep_idle(budget);
+        SerialSession session(*store, walls.scene, walls.pairs, true, {.join_below = 0}, {},
+                              {.idle_bytes = budget});
         for (std::uint32_t i = 0; i < TwoWalls::kFirst + TwoWalls::kBetween; ++i)
             ASSERT_TRUE(session.add_image());
         EXPECT_EQ(session.state().keypoints[0] == nullptr, budget == 0);

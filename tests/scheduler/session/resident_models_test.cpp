@@ -166,8 +166,8 @@ TEST(ModelsOfASession, RestAndChangeNothing) {
     for (const std::size_t budget : {std::size_t{1} << 30U, std::size_t{0}}) {
         const testing::TemporaryFolder folder;
         const auto store = test::open_store(folder);
-        SerialSession session(*store, wall.scene, wall.pairs);
-        session.keep_idle(budget);
+        SerialSession session(*store, wall.scene, wall.pairs, true, {.join_below = 0}, {},
+                              {.idle_bytes = budget});
         const ClusterTable& clusters = session.state().clusters;
         for (std::uint32_t i = 0; i + Wall::kLast < Wall::kImages; ++i)
             ASSERT_TRUE(session.add_image());
@@ -232,8 +232,7 @@ TEST(ModelsOfASession, AreAwakeWhenTheirClustersJoin) {
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
     SerialSession session(*store, bridge.scene, bridge.pairs, true,
-                          ClusteringOptions{.join_below = 0}, {.mu_min = 5});
-    session.keep_idle(0);
+                          ClusteringOptions{.join_below = 0}, {.mu_min = 5}, {.idle_bytes = 0});
     const ClusterTable& clusters = session.state().clusters;
     for (std::uint32_t i = 0; i + 1 < Bridge::kImages; ++i) ASSERT_TRUE(session.add_image());
     const ImageId of_first{Bridge::kOfPart - 1};
@@ -257,8 +256,8 @@ TEST(ModelsOfASession, SettleAFewAtATime) {
     for (const bool is_deterministic : {false, true}) {
         const testing::TemporaryFolder folder;
         const auto store = test::open_store(folder);
-        SerialSession session(*store, wall.scene, wall.pairs, is_deterministic);
-        session.settle_at_once(2);
+        SerialSession session(*store, wall.scene, wall.pairs, is_deterministic, {.join_below = 0},
+                              {}, {.settle_at_once = 2});
         for (std::uint32_t i = 0; i < Wall::kImages; ++i) ASSERT_TRUE(session.add_image());
         const std::size_t models = session.state().counts.clusters;
         ASSERT_GE(models, 3U);

@@ -37,7 +37,7 @@ SceneModel settled(SyntheticScene scene, const NoiseBounds& bounds) {
     SceneModel wall(std::move(scene));
     SolveOptions options;
     options.settling.noise = bounds;
-    EXPECT_TRUE(refine_model(*wall.model, false, options.settling, options).ok());
+    EXPECT_TRUE(refine_model(*wall.model, options.settling, {.options = options}).ok());
     return wall;
 }
 

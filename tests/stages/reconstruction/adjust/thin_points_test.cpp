@@ -166,7 +166,9 @@ std::unique_ptr<RingModel> refined_ring(const RefinementOptions& refinement) {
         pose.translation += 0.01 * Eigen::Vector3d(normal(rng), normal(rng), normal(rng));
         ring->model->set_pose(image, pose);
     }
-    EXPECT_TRUE(refine_model(*ring->model, true, refinement, {}).ok());
+    EXPECT_TRUE(
+        refine_model(*ring->model, refinement, {.options = SolveOptions{}, .fix_intrinsics = true})
+            .ok());
     return ring;
 }
 

@@ -53,6 +53,13 @@ double mean_error(const SceneModel& wall) {
     return error.ok() ? error->mean_position : 1e9;
 }
 
+/// Whose intrinsics are held.
+RefineContext held(const SolveOptions& options) {
+    return {.options = options, .fix_intrinsics = true};
+}
+
+const SolveOptions kDefaults;
+
 /// The plan of a model of all images.
 SolvePlan planned(const SolveOptions& options) {
     return plan_solve(ClusterProblem{}, SolveState{}, kImages, options.policy);
@@ -63,7 +70,7 @@ TEST(RefineAround, MovesImagesAndTheirNeighboursOnly) {
     wall.disturb(0.005, 2);
     const auto before = poses_of(*wall.model);
     SolveOptions options;
-    const auto adjustments = refine_around(*wall.model, {20}, 0, true, options);
+    const auto adjustments = refine_around(*wall.model, {20}, 0, held(options));
     ASSERT_TRUE(adjustments.ok());
     EXPECT_GT(*adjustments, 0U);
     const auto moved = moved_images(before, *wall.model);
@@ -72,7 +79,7 @@ TEST(RefineAround, MovesImagesAndTheirNeighboursOnly) {
     EXPECT_LT(moved.size(), kImages / 3);
     EXPECT_EQ(moved.back() - moved.front() + 1, moved.size()) << "one stretch of the wall";
 
-    const auto further = refine_around(*wall.model, {20}, moved.size() + 1, true, options);
+    const auto further = refine_around(*wall.model, {20}, moved.size() + 1, held(options));
     ASSERT_TRUE(further.ok());
     const auto more = moved_images(before, *wall.model);
     EXPECT_GT(more.size(), moved.size()) << "neighbours of neighbours";
@@ -86,7 +93,7 @@ TEST(RefineAround, DoesSoManyRoundsAsALargeModelIsGiven) {
         const SceneModel wall(noisy_wall(1));
         wall.disturb(0.005, 2);
         options.large_growth.max_rounds = rounds;
-        const auto adjustments = refine_around(*wall.model, {20}, 0, true, options);
+        const auto adjustments = refine_around(*wall.model, {20}, 0, held(options));
         ASSERT_TRUE(adjustments.ok());
         EXPECT_EQ(*adjustments, static_cast<std::uint32_t>(rounds));
     }
@@ -97,7 +104,7 @@ TEST(RefineAround, AdjustsAllWhereThatIsNearlyAll) {
     wall.disturb(0.005, 2);
     const double disturbed = mean_error(wall);
     const auto before = poses_of(*wall.model);
-    ASSERT_TRUE(refine_around(*wall.model, {20}, kImages, true, {}).ok());
+    ASSERT_TRUE(refine_around(*wall.model, {20}, kImages, held(kDefaults)).ok());
     EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "but for the gauge";
     EXPECT_LT(mean_error(wall), disturbed);
 }
@@ -105,7 +112,7 @@ TEST(RefineAround, AdjustsAllWhereThatIsNearlyAll) {
 TEST(RefineAround, CountsOnlyImagesThatAreThere) {
     const SceneModel wall(noisy_wall(1));
     wall.model->remove_image(20);
-    const auto adjustments = refine_around(*wall.model, {20}, 0, true, {});
+    const auto adjustments = refine_around(*wall.model, {20}, 0, held(kDefaults));
     ASSERT_TRUE(adjustments.ok());
     EXPECT_EQ(*adjustments, 0U);
 }
@@ -120,7 +127,9 @@ TEST(RefineJoined, MovesAllThatWasJoinedAndTheJoint) {
     options.policy.affordable_up_to = 30;
     options.images_around_joint = 0;
     const std::vector<std::uint32_t> joint{26, 27, 28, 29};
-    ASSERT_TRUE(refine_joined(*wall.model, joined, joint, planned(options), true, options).ok());
+    ASSERT_TRUE(refine_joined(*wall.model, {.joined = 1, .images = joined, .joint = joint},
+                              planned(options), held(options))
+                    .ok());
     const auto moved = moved_images(before, *wall.model);
     EXPECT_EQ(moved.back(), kImages - 1) << "its far end, which nothing else holds";
     EXPECT_TRUE(std::ranges::binary_search(moved, 26U));
@@ -136,8 +145,8 @@ TEST(RefineModel, RoundsBeforeTheLastOneMayBeRough) {
     const SceneModel other(noisy_wall(7));
     one.disturb(0.005, 3);
     other.disturb(0.005, 3);
-    ASSERT_TRUE(refine_model(*one.model, false, rough.settling, rough).ok());
-    ASSERT_TRUE(refine_model(*other.model, false, fine.settling, fine).ok());
+    ASSERT_TRUE(refine_model(*one.model, rough.settling, {.options = rough}).ok());
+    ASSERT_TRUE(refine_model(*other.model, fine.settling, {.options = fine}).ok());
     EXPECT_NEAR(mean_error(one), mean_error(other), 0.02 * mean_error(other));
 }
 
@@ -152,12 +161,13 @@ TEST(RefineGrown, TakesFewStepsForWhatIsLargerThanConvergeUpTo) {
         const SceneModel wall(noisy_wall(3));
         wall.disturb(0.005, 4);
         const auto before = poses_of(*wall.model);
-        const auto grown = refine_grown(*wall.model, 4, planned(options), true, options);
+        const auto grown = refine_grown(*wall.model, 4, planned(options), held(options));
         ASSERT_TRUE(grown.ok());
         EXPECT_EQ(*grown, rounds);
         EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "all of it";
         const auto joined =
-            refine_joined(*wall.model, images, images, planned(options), true, options);
+            refine_joined(*wall.model, {.joined = 1, .images = images, .joint = images},
+                          planned(options), held(options));
         ASSERT_TRUE(joined.ok());
         EXPECT_EQ(*joined, rounds);
     }
@@ -171,13 +181,15 @@ TEST(RefineModel, EveryWayOfAdjustingEndsWhenItIsCancelled) {
     for (const std::uint32_t adjust_all_up_to : {kImages, kImages - 1}) {
         SolveOptions options;
         options.policy.affordable_up_to = adjust_all_up_to;
+        const RefineContext context{options, true, &cancel};
         for (const auto& done :
-             {refine_model(*wall.model, true, options.growth, options, &cancel),
-              refine_around(*wall.model, images, 0, true, options, &cancel),
-              refine_joined(*wall.model, images, images, planned(options), true, options, &cancel),
-              refine_grown(*wall.model, 4, planned(options), true, options, &cancel),
-              refine_locally(*wall.model, images, true, options, &cancel),
-              refine_joined_locally(*wall.model, images, true, options, &cancel)}) {
+             {refine_model(*wall.model, options.growth, context),
+              refine_around(*wall.model, images, 0, context),
+              refine_joined(*wall.model, {.joined = 1, .images = images, .joint = images},
+                            planned(options), context),
+              refine_grown(*wall.model, 4, planned(options), context),
+              refine_locally(*wall.model, images, context),
+              refine_joined_locally(*wall.model, images, context)}) {
             ASSERT_FALSE(done.ok());
             EXPECT_EQ(done.error().code, ErrorCode::kCancelled);
         }
@@ -189,7 +201,7 @@ TEST(RefineLocally, SaysWhereThereIsNoSolution) {
     constexpr std::uint32_t kImage = 20;
     const std::vector<std::uint32_t> seen = points_seen_by(*wall.model, std::span(&kImage, 1));
     ASSERT_FALSE(seen.empty());
-    const auto before = refine_locally(*wall.model, std::span(&kImage, 1), true, {});
+    const auto before = refine_locally(*wall.model, std::span(&kImage, 1), held(kDefaults));
     ASSERT_TRUE(before.ok());
     EXPECT_GT(*before, 0U);
     // All that it sees is behind it, and nothing else can be made of its matches.
@@ -199,8 +211,8 @@ TEST(RefineLocally, SaysWhereThereIsNoSolution) {
     SolveOptions options;
     options.tracks.max_error_px = 0.0;
     for (const auto& adjusted :
-         {refine_locally(*wall.model, std::span(&kImage, 1), true, options),
-          refine_joined_locally(*wall.model, std::span(&kImage, 1), true, options)}) {
+         {refine_locally(*wall.model, std::span(&kImage, 1), held(options)),
+          refine_joined_locally(*wall.model, std::span(&kImage, 1), held(options))}) {
         ASSERT_FALSE(adjusted.ok());
         EXPECT_EQ(adjusted.error().code, ErrorCode::kDegenerate);
     }
@@ -212,14 +224,14 @@ TEST(RefineGrown, AdjustsASmallModelWholeAndALargeOneWhereItHasGrown) {
     const SceneModel small(noisy_wall(3));
     small.disturb(0.005, 4);
     auto before = poses_of(*small.model);
-    ASSERT_TRUE(refine_grown(*small.model, 4, planned(options), true, options).ok());
+    ASSERT_TRUE(refine_grown(*small.model, 4, planned(options), held(options)).ok());
     EXPECT_GE(moved_images(before, *small.model).size(), kImages - 1);
 
     options.policy.affordable_up_to = kImages - 1;
     const SceneModel large(noisy_wall(3));
     large.disturb(0.005, 4);
     before = poses_of(*large.model);
-    ASSERT_TRUE(refine_grown(*large.model, 4, planned(options), true, options).ok());
+    ASSERT_TRUE(refine_grown(*large.model, 4, planned(options), held(options)).ok());
     const auto moved = moved_images(before, *large.model);
     EXPECT_EQ(moved.back(), kImages - 1) << "the newest";
     EXPECT_GT(moved.size(), 4U) << "and their neighbours";

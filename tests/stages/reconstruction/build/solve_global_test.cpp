@@ -58,7 +58,7 @@ Start prepare(const SyntheticScene& scene, std::vector<VerifiedPairPtr> pairs,
 
 Result<GlobalStart> run(Start& start, const SolveOptions& options = {},
                         const std::atomic<bool>* cancel = nullptr) {
-    return initialize_globally(*start.model, start.problem, start.graph, options, cancel);
+    return initialize_globally(*start.model, {start.problem, start.graph, options, cancel});
 }
 
 /// A third of a pixel of noise; few features, so that a test takes no longer than a second.

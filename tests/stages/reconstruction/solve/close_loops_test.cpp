@@ -93,7 +93,11 @@ class CloseLoops : public ::testing::Test {
         return closing->adjustments;
     }
 
-    void settle() { EXPECT_TRUE(refine_model(*model_, true, options_.settling, options_).ok()); }
+    void settle() {
+        EXPECT_TRUE(
+            refine_model(*model_, options_.settling, {.options = options_, .fix_intrinsics = true})
+                .ok());
+    }
 
     double error() const {
         const auto error = synthetic::compare_with_truth(model_->save(), scene_);
