@@ -43,8 +43,8 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
 
 Result<void> Committer::on(const SolvedMessage& message, CommitOutput& /*output*/) {
     --solving_;
+    // Expected: cancelled, since a photograph came first; it settles once none has come for long
     if (!message.solution->ok() && message.solution->error().code == ErrorCode::kCancelled) {
-        // A photograph came first; it settles once none has come for long again.
         --settling_;
         state_.clusters.put_off(message.problem->cluster);
         return {};

@@ -172,6 +172,8 @@ Result<std::size_t> summed_outliers(std::span<const NamedPose> reference,
             outliers += evaluation->outliers;
         } else if (evaluation.error().code == ErrorCode::kDegenerate) {
             outliers += match_by_name(reference, model).size();
+        } else {
+            return evaluation.error();
         }
     }
     return outliers;

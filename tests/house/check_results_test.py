@@ -64,6 +64,17 @@ class CheckResults(unittest.TestCase):
         self.refuses("if (!f(x).ok()) return {};", "the error of this call")
         self.refuses("static_cast<void>(f(x));", "thrown away")
 
+    def test_codes_that_end_where_one_is_told_from_them_are_found(self):
+        cancelled = "done.error().code == ErrorCode::kCancelled"
+        for body in (f"if ({cancelled}) return done.error();\nreturn use(*done);",
+                     f"return {cancelled} ? done.error() : Result<void>();",
+                     "if (done.error().code != ErrorCode::kDegenerate) return done.error();\nreturn {};",
+                     "return is_cancelled(done.error()) ? done.error() : Result<void>();"):
+            self.refuses(f"if (!done.ok()) tell(done.error());\n{body}", "of done some codes end here", 3)
+            self.accepts(f"if (!done.ok()) tell(done.error());\n// Expected: no model, no answer\n{body}")
+        self.accepts(f"if (!done.ok() && {cancelled}) return {{}};\nif (!done.ok()) return done.error();")
+        self.accepts(f"if (!done.ok() && {cancelled}) {{\n    g();\n}} else if (!done.ok()) {{\n    return done.error();\n}}")
+
     def test_another_result_of_the_name_does_not_count(self):
         self.refuses("{\n    const auto done = f();\n    if (done.ok()) use(*done);\n}\n"
                      "const auto done = g();\nreturn done.error();", "the error of done", 4)

@@ -73,9 +73,9 @@ Result<void> compare_photos(RunRequest& request, const SessionReader& store, boo
     const auto sources = store.image_sources();
     if (!sources.ok()) return sources.error();
     const std::vector<Image>& images = *read;
-    const auto settings = store.settings();  // none in a new session
+    const auto settings = store.settings();
+    // Expected: a new session has none
     if (!settings.ok() && settings.error().code != ErrorCode::kNotFound) return settings.error();
-    // Expected: not found, a new session's
     const fs::path previous_folder = settings.ok() ? settings->photo_folder : std::string();
     const std::string& masks = request.config.masks;
     // All that the folder has: files may have changed their names among themselves, whatever an

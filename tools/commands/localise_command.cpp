@@ -269,6 +269,7 @@ int run_localise(const LocaliseArguments& arguments) {
         for (std::size_t k = 0; k < count; ++k) {
             const PhotoFile& photo = photos[first + k].photo;
             localised += found[k].ok() ? 1 : 0;
+            // Expected: each photograph's error is in its row of what is printed
             readable += found[k].ok() || (found[k].error().code != ErrorCode::kIo &&
                                           found[k].error().code != ErrorCode::kUnreadable)
                             ? 1

@@ -65,6 +65,7 @@ Result<Patient> examine(const Folders& folders) {
     Patient patient;
     auto reader = open_session_reader(folders.session, {});
     const bool opens = reader.ok();
+    // Expected: damaged, which is what is to be repaired
     if (!opens && reader.error().code != ErrorCode::kDamaged) return reader.error();
     auto lock = SessionLock::acquire(folders.session);
     if (!lock.ok()) return lock.error();

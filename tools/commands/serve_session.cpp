@@ -116,6 +116,7 @@ void tell_address(const Address& address, std::uint16_t port) {
 Result<SessionConfig> config_of(SessionStore& store, const fs::path& photographs) {
     const auto settings = store.settings();
     if (settings.ok()) return decode_config(settings->settings_json);
+    // Expected: a new session has none, and gets them here
     if (settings.error().code != ErrorCode::kNotFound) return settings.error();
     SessionConfig config;
     config.options = option_values(*stage_options(config));  // so that it goes on as it began

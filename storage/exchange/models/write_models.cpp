@@ -150,6 +150,22 @@ FeatureUse feature_use(ExportFormat format) {
     return FeatureUse::kAll;
 }
 
+PointCoordinates point_coordinates(ExportFormat format) {
+    switch (format) {
+        case ExportFormat::kColmap:
+        case ExportFormat::kColmapText:
+        case ExportFormat::kNvm:
+        case ExportFormat::kBundler:
+            return PointCoordinates::kDoubles;
+        case ExportFormat::kGltf:
+            return PointCoordinates::kFloats;
+        case ExportFormat::kPly:
+        case ExportFormat::kNerfstudio:
+            return PointCoordinates::kDistinctFloats;
+    }
+    return PointCoordinates::kDoubles;
+}
+
 Result<std::vector<std::filesystem::path>> write_models(std::span<const ExportedModel> models,
                                                         ExportFormat format,
                                                         const std::filesystem::path& folder,

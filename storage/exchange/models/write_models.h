@@ -36,6 +36,14 @@ std::optional<ExportFormat> export_format_from_name(std::string_view name);
 /// What a format makes of features: those without 2D observations need their colours only.
 FeatureUse feature_use(ExportFormat format);
 
+/// How a format's readers keep the coordinates of points.
+enum class PointCoordinates {
+    kDoubles,         ///< or text: all points as they are
+    kFloats,          ///< as 32-bit floats: relative to float_origin (dataset_model.h)
+    kDistinctFloats,  ///< and of points that have one place as floats the first (distinct_points.h)
+};
+PointCoordinates point_coordinates(ExportFormat format);
+
 enum class PlyContents {
     kPoints,
     kPointsWithNormals,  ///< of zero: 3DGS's own trainer wants some

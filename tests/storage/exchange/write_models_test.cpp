@@ -34,6 +34,7 @@ TEST(WriteModels, NamesAndBack) {
 
 TEST(WriteModels, NothingButTheFormatsFilesIsLeft) {
     const std::array<std::size_t, 7> files_each{3, 3, 1, 1, 2, 2, 2};
+    ASSERT_EQ(files_each.size(), export_format_names().size());
     for (std::size_t i = 0; i < files_each.size(); ++i) {
         const test::TemporaryFolder folder;
         const auto written = write_models(example_models(3), static_cast<ExportFormat>(i),

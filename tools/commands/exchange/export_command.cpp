@@ -54,10 +54,9 @@ Error no_model(const ExportArguments& arguments, std::size_t waiting) {
                                       " waiting; `psfm status` says why"};
 }
 
-/// Points that a file of the format has: one of those that lie upon each other as floats.
+/// Points that a file of the format has.
 std::size_t written_points(const ExportedModel& model, ExportFormat format) {
-    if (format != ExportFormat::kPly && format != ExportFormat::kNerfstudio)
-        return model.points.size();
+    if (point_coordinates(format) != PointCoordinates::kDistinctFloats) return model.points.size();
     return distinct_points(model.points, float_origin(model)).size();
 }
 
@@ -178,8 +177,7 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
         .ply = arguments.points_only ? PlyContents::kPoints : PlyContents::kPointsAndCameras};
     std::vector<GeoPart> parts;
     for (const ExportedModel& model : *models) {
-        const bool floats = *format == ExportFormat::kPly || *format == ExportFormat::kGltf ||
-                            *format == ExportFormat::kNerfstudio;
+        const bool floats = point_coordinates(*format) != PointCoordinates::kDoubles;
         parts.push_back(
             {parts.size(), &model, floats ? float_origin(model) : Eigen::Vector3d::Zero()});
         options.up.push_back(up_in_model(model, known, reference.has_value()));
