@@ -57,7 +57,7 @@ class ScenePoints {
   public:
     /// Guard: points of a block that is made of a list. Blocks of what was left over and put
     /// together may have up to twice as many, or few. Lowered: more blocks to look at; raised: more
-    /// to copy where one point changes. Ours.
+    /// to copy where one point changes. Ours; not tuned.
     static constexpr std::size_t kBlockPoints = 1024;
 
     /// In order, over all blocks.

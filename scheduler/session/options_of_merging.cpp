@@ -15,11 +15,11 @@ namespace {
                 "image distance at which two clusters' points agree, over the longer side",        \
                 "ours: 8 px in 1536"),                                                             \
         PSFM_OPTION(FIELD.min_edge_inliers, 3, kCount, "inliers that one edge's similarity needs", \
-                    "not tuned"),                                                                  \
+                    "ours; not tuned"),                                                            \
         PSFM_OPTION(FIELD.min_pair_inliers, 3, kCount,                                             \
-                    "inliers that two clusters' similarity needs", "not tuned"),                   \
+                    "inliers that two clusters' similarity needs", "ours; not tuned"),             \
         PSFM_OPTION(FIELD.min_inlier_ratio, 0, 1,                                                  \
-                    "part of the correspondences that have to agree", "not tuned"),                \
+                    "part of the correspondences that have to agree", "ours; not tuned"),          \
         PSFM_OPTION(FIELD.min_neighborhood_similarity, 0, 1,                                       \
                     "similarity of neighbourhoods below which an edge between clusters is wrong",  \
                     "paper: lambda_s"),                                                            \
@@ -41,41 +41,41 @@ namespace {
                     "ours, on the simulated town"),                                                \
         PSFM_OPTION(FIELD.max_edges_per_pair, 0, kCount,                                           \
                     "edges looked at between two clusters; 0: all",                                \
-                    "not tuned: fifty fix seven numbers"),                                         \
+                    "ours; not tuned: fifty fix seven numbers"),                                   \
         PSFM_OPTION(FIELD.confidence, 0, 0.999999999,                                              \
-                    "chance of one clean sample at which RANSAC stops", "not tuned"),              \
+                    "chance of one clean sample at which RANSAC stops", "ours; not tuned"),        \
         PSFM_OPTION(FIELD.max_ransac_iterations, 1, kCount, "samples at most",                     \
                     "ours: three times what the confidence asks"),                                 \
         PSFM_OPTION(FIELD.edges_as_starts, 0, kCount,                                              \
                     "similarities of single edges that the final one may start from",              \
-                    "not tuned"),                                                                  \
+                    "ours; not tuned"),                                                            \
         PSFM_OPTION(FIELD.loss_part, 1e-6, 1,                                                      \
                     "part of max_error at which the final refinement's loss bends",                \
-                    "not tuned: max_error is three standard deviations")
+                    "ours; not tuned: max_error is three standard deviations")
 // NOLINTEND(bugprone-macro-parentheses)
 
 // clang-format off
 constexpr std::array kMergingOptions{
     PSFM_CONSTRAINT_OPTIONS(merge.constraint),
     PSFM_CONSTRAINT_OPTIONS(solve.transfer),
-    PSFM_OPTION(merge.pose_graph.huber_scale, 1e-6, 1000, "residual at which the pose graph's loss turns linear", "not tuned"),
-    PSFM_OPTION(merge.pose_graph.max_iterations, 1, kCount, "steps of the pose graph", "not tuned"),
-    PSFM_OPTION(merge.pose_graph.max_residual, 1e-6, 1e9, "residual above which a constraint is dropped", "not tuned"),
+    PSFM_OPTION(merge.pose_graph.huber_scale, 1e-6, 1000, "residual at which the pose graph's loss turns linear", "ours; not tuned"),
+    PSFM_OPTION(merge.pose_graph.max_iterations, 1, kCount, "steps of the pose graph", "ours; not tuned"),
+    PSFM_OPTION(merge.pose_graph.max_residual, 1e-6, 1e9, "residual above which a constraint is dropped", "ours; not tuned"),
     PSFM_OPTION(merge.pose_graph.rough_iterations, 1, kCount, "steps while it is asked which constraints are bad", "ours; merge_bench"),
     PSFM_OPTION(merge.pose_graph.rough_tolerance, 0, 1, "and the part of the cost by which the last of them lowers it", "ours; merge_bench"),
-    PSFM_OPTION(merge.max_stayed_move, 1e-06, 1000, "move of a camera that stayed, over the distance of neighbours", "not tuned"),
-    PSFM_OPTION(merge.use_gps, 0, 1, "parts are placed by the positions in photographs' files", "ours"),
-    PSFM_OPTION(merge.use_gravity, 0, 1, "photographs' orientation tells up", "ours"),
-    PSFM_OPTION(merge.gravity.min_mean_up, 0, 1, "how alike up is for all cameras before it is told from down", "not tuned"),
-    PSFM_OPTION(merge.gravity.min_sigma_deg, 0.001, 90, "standard deviation of gravity at least [deg]", "not tuned"),
-    PSFM_OPTION(merge.gravity.pitch_sigma_deg, 0.001, 180, "standard deviation of the optical axis from the horizon [deg]", "not tuned"),
-    PSFM_OPTION(merge.gravity.roll_sigma_deg, 0.001, 180, "standard deviation of the horizontal axis from it [deg]", "not tuned"),
-    PSFM_OPTION(merge.georeference.hold, 0, 1000, "standard errors by which a published place is kept; 0: it follows each version", "not tuned"),
-    PSFM_OPTION(merge.georeference.hold_angle_deg, 0, 180, "turn that is kept in any case [deg]", "not tuned"),
+    PSFM_OPTION(merge.max_stayed_move, 1e-06, 1000, "move of a camera that stayed, over the distance of neighbours", "ours; not tuned"),
+    PSFM_OPTION(merge.use_gps, 0, 1, "parts are placed by the positions in photographs' files", "paper, \"Cluster Pose Estimation\", as an addition; docs/georeferencing.md"),
+    PSFM_OPTION(merge.use_gravity, 0, 1, "photographs' orientation tells up", "paper, \"Cluster Pose Estimation\", as an addition; docs/georeferencing.md"),
+    PSFM_OPTION(merge.gravity.min_mean_up, 0, 1, "how alike up is for all cameras before it is told from down", "ours; not tuned"),
+    PSFM_OPTION(merge.gravity.min_sigma_deg, 0.001, 90, "standard deviation of gravity at least [deg]", "ours; not tuned"),
+    PSFM_OPTION(merge.gravity.pitch_sigma_deg, 0.001, 180, "standard deviation of the optical axis from the horizon [deg]", "ours; not tuned"),
+    PSFM_OPTION(merge.gravity.roll_sigma_deg, 0.001, 180, "standard deviation of the horizontal axis from it [deg]", "ours; not tuned"),
+    PSFM_OPTION(merge.georeference.hold, 0, 1000, "standard errors by which a published place is kept; 0: it follows each version", "ours; not tuned"),
+    PSFM_OPTION(merge.georeference.hold_angle_deg, 0, 180, "turn that is kept in any case [deg]", "ours; not tuned"),
     PSFM_OPTION(merge.georeference.horizontal_sigma_m, 0.001, 1e5, "standard deviation of positions, east and north [m]", "GPS.gov: 4.9 m under open sky"),
     PSFM_OPTION(merge.georeference.inlier_sigmas, 0.1, 1000, "standard deviations within which a position agrees with a place", "customary"),
     PSFM_OPTION(merge.georeference.max_heading_sigma, 1e-4, 10, "standard deviation of the heading at most [rad]", "ours: 14 degrees"),
-    PSFM_OPTION(merge.georeference.min_inlier_ratio, 0, 1, "part of a part's positions that have to agree with its place", "not tuned"),
+    PSFM_OPTION(merge.georeference.min_inlier_ratio, 0, 1, "part of a part's positions that have to agree with its place", "ours; not tuned"),
     PSFM_OPTION(merge.georeference.min_positions, 3, kCount, "positions that a place needs", "two cannot contradict each other"),
     PSFM_OPTION(merge.georeference.samples, 1, kCount, "minimal samples tried", "ours: all miss with a chance of 3e-12"),
     PSFM_OPTION(merge.georeference.vertical_sigma_m, 0.001, 1e5, "standard deviation of altitudes [m]", "ours: three times worse"),

@@ -16,7 +16,8 @@
 namespace psfm {
 
 /// The keypoints of a session's images, by id: those that solves have used lately are in memory,
-/// the others in the store. A value, owned by the commit node. Ours.
+/// the others in the store. A value, owned by the commit node. Ours
+/// (docs/notebook/2026-11-25-soak.md).
 class ResidentKeypoints {
   public:
     using Pointer = std::shared_ptr<const Keypoints>;

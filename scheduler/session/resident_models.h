@@ -16,7 +16,7 @@ namespace psfm {
 
 /// Decides which clusters rest: the points of models that a solve, a merge or an adoption has
 /// looked at lately are in memory, those of others in the store. A value, owned by the commit node.
-/// Ours.
+/// Ours (docs/notebook/2026-11-25-soak.md).
 class ResidentModels {
   public:
     /// Guard: models used so many times ago or less stay in any case. Lowered: those that are

@@ -111,12 +111,12 @@ struct ExecutionOptions {
     std::size_t idle_bytes = std::size_t{32} << 20U;
     /// While other work goes on, the next version is begun so many times as long after a merge as
     /// that took. Higher: later versions; lower: merging, whose cost grows with the session, takes
-    /// the time of what is to be merged. Ours.
+    /// the time of what is to be merged. Ours; not tuned.
     double rest_per_merge = 5.0;
     /// What there is settles once no photograph has come for so long [s], from a source that may
     /// have more later. Higher: a model that is as good as it can be comes later; lower: what
     /// settled has to settle again after the next photograph. Not in deterministic sessions, nor in
-    /// a batch. Ours.
+    /// a batch. Ours; not tuned.
     double settle_after_seconds = 15.0;
     /// A vocabulary of many words that was trained from other photographs; empty: none. Used above
     /// some thousands of images (RetrievalOptions::max_training_images), but not by deterministic

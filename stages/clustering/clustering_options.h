@@ -41,7 +41,7 @@ struct ClusteringOptions {
     /// in the paper. Ours (docs/performance.md).
     std::uint32_t join_up_to = 1000;
     /// A cluster of fewer images joins one of any size. Raised: joints with large clusters more
-    /// often; lowered: more small clusters beside them. Ours.
+    /// often; lowered: more small clusters beside them. Ours; not tuned.
     std::uint32_t hold_from = 100;
 };
 

@@ -16,7 +16,7 @@ namespace psfm {
 /// The cluster that an image is tried against when its own is too small to be reconstructed: the
 /// one, of at least mu_min images, that it shares most correspondences with (ties: the smallest
 /// id). An image at the rim of a scene has few edges, all of them into one dense cluster, and a
-/// large Jaccard distance to every image there; it would wait for ever. Ours.
+/// large Jaccard distance to every image there; it would wait for ever. Ours; not measured.
 /// @return nothing for images of clusters that are large enough, and where there is no such
 /// neighbour
 std::optional<ClusterId> host_cluster(const ViewGraph& graph, const ClusteringState& clustering,

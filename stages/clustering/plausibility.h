@@ -8,7 +8,8 @@
 namespace psfm {
 
 /// A match density that falls off exponentially with the triangulation angle, down to a floor.
-/// Raised: doubt is cast on more pairs. Lowered: on fewer. Ours.
+/// Raised: doubt is cast on more pairs. Lowered: on fewer. Ours (docs/look-alikes.md, "Match
+/// density").
 struct ExpectedDensity {
     double at_zero = 0.0;  ///< for equal viewing directions
     double decay_deg = 0.0;
@@ -18,7 +19,8 @@ struct ExpectedDensity {
 /// How well a pair's matches fit two photographs of one place. Figures: docs/look-alikes.md.
 struct PlausibilityOptions {
     /// Plausibilities count up to here. Raised: wide baselines are left out where images also have
-    /// near-identical neighbours. Lowered: look-alikes stay in where everything matches well. Ours.
+    /// near-identical neighbours. Lowered: look-alikes stay in where everything matches well. Ours;
+    /// not tuned.
     double max_plausibility = 4.0;
     /// Densities expected of two photographs of one place (see match_density); either will do.
     ExpectedDensity shared{.at_zero = 0.12, .decay_deg = 12.0, .floor = 0.01};

@@ -24,7 +24,8 @@ struct EdgeSelectionOptions {
     std::uint32_t min_inliers = 30;
     /// An edge that is less plausible (see plausibility) than this part of what both of its images
     /// reach elsewhere is none; 0: every pair is an edge, as in the paper. Raised: weak true
-    /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours.
+    /// overlaps are left out where strong ones exist. Lowered: look-alikes stay in. Ours
+    /// (docs/look-alikes.md, "Relative plausibility").
     double min_relative_plausibility = 0.3;
     PlausibilityOptions plausibility;
     /// Verified inliers from which a pair that is no such edge is a weak one (ViewGraph::Edge): it

@@ -31,10 +31,11 @@ struct LocaliseOptions {
     /// As of verification: a seventh of the comparisons, and nearly all matches.
     CellOptions cells;
     /// Images with most matches whose surroundings are tried by themselves. Raised: slower, a pose
-    /// each; lowered: where look-alikes have most matches the right ones are missed. Ours.
+    /// each; lowered: where look-alikes have most matches the right ones are missed. Ours; not
+    /// tuned.
     std::size_t surroundings = 5;
     /// Points that an image of the surroundings has in common with the one that they are of.
-    /// Raised: poses rest on fewer images; lowered: look-alikes come along. Ours.
+    /// Raised: poses rest on fewer images; lowered: look-alikes come along. Ours; not tuned.
     std::size_t min_shared_points = 5;
     /// Of all correspondences with several images, many of which may be look-alikes, fewer are
     /// right than of verified pairs.

@@ -15,7 +15,7 @@ struct TrainOptions {
     /// training descriptor.
     std::size_t words = 65536;
     /// Iterations of k-means at each level. More: training takes longer for slightly tighter words.
-    /// Ours, docs/retrieval.md.
+    /// Ours; not tuned.
     unsigned iterations = 8;
 };
 

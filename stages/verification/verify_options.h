@@ -57,7 +57,7 @@ struct VerifyOptions {
     double max_error_px = 2.0;
     /// The same where a focal length is not known: nor is the distortion then, which bends epipolar
     /// lines. Lowered: wide pairs lose their few matches; `kitchen` has 19 of 25 placed with 2 px,
-    /// and all with 3. Ours.
+    /// and all with 3. Ours, on `kitchen`.
     double max_uncalibrated_error_px = 3.0;
     /// Scale of the Cauchy loss in the refinement [px]. Raised: coarse matches pull the pose;
     /// lowered: the pose rests on few matches and the refinement finds local minima. Source: ours,
@@ -68,7 +68,7 @@ struct VerifyOptions {
     /// Least share of the putative matches that must be inliers. Raised: pairs with little overlap
     /// are lost; lowered: wrong pairs pass, and RANSAC takes longer to give up. On Strecha's scenes
     /// 0.15 verifies 3 more true pairs than 0.25 and 26 more wrong ones, which have few inliers and
-    /// are weak edges at most; `kitchen` needs true pairs below 0.25. Ours.
+    /// are weak edges at most; `kitchen` needs true pairs below 0.25. Ours, on these.
     double min_inlier_ratio = 0.1;
     /// Share of the epipolar inliers that a homography must hold to explain the pair: then the
     /// scene is planar or the camera only turned. Source: COLMAP's max_H_inlier_ratio.

@@ -15,7 +15,7 @@
 namespace psfm {
 
 /// Guard: records that one solution is read from, at most. Raised: less is written, and more is
-/// read when a session is opened; a record that says of more is damaged. Ours.
+/// read when a session is opened; a record that says of more is damaged. Ours; not tuned.
 inline constexpr std::uint32_t kLongestChain = 16;
 
 /// Poses and cameras of a solution; nothing when there are none.

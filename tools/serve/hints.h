@@ -30,11 +30,12 @@ struct Hint {
 std::string_view hint_name(Hint::Kind kind);
 
 struct HintOptions {
-    std::size_t most = 10;  ///< told at once. Higher: nobody reads them. Ours.
-    /// A camera with fewer observations than this part of the median is thin. Ours.
+    std::size_t most = 10;  ///< told at once. Higher: nobody reads them. Not tuned.
+    /// A camera with fewer observations than this part of the median is thin. Ours; not tuned.
     double few_points = 0.3;
     /// Below this median angle between a camera's rays and those of others that see the same points
-    /// [deg], depths are poor. COLMAP's minimum for a first pair is 16, for a point 1.5. Ours.
+    /// [deg], depths are poor. COLMAP's minimum for a first pair is 16, for a point 1.5. Ours; not
+    /// tuned.
     double low_angle_deg = 2.5;
 };
 

@@ -24,10 +24,10 @@ namespace psfm {
 
 struct LiveOptions {
     /// A change is told at most so often [s]. Higher: later; lower: more bytes, and more of the
-    /// processor's time. Ours.
+    /// processor's time. Ours; not tuned.
     double seconds_between_changes = 0.5;
     /// Hints are looked for at most so often [s], and for at most this share of the time: they cost
-    /// a look at all points. Ours.
+    /// a look at all points. Ours; not tuned.
     double seconds_between_hints = 5.0;
     double share_of_hints = 0.02;
     /// The same of errors of images that were placed before: they cost a look at what they see.

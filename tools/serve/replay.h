@@ -15,7 +15,8 @@ namespace psfm {
 struct ReplayOptions {
     /// Versions shown at most, evenly spread over all that are kept. Higher: more to read.
     std::size_t most_versions = 400;
-    /// A camera that has moved by less of the session's extent stays where it was shown. Ours.
+    /// A camera that has moved by less of the session's extent stays where it was shown. Ours; not
+    /// tuned.
     double tolerance = 0.003;
 };
 

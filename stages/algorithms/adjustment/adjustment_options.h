@@ -16,12 +16,12 @@ struct AdjustmentOptions {
     /// Iterations at most. COLMAP 3.8: 50 for global, 25 for local adjustments.
     int max_iterations = 50;
     /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
-    /// accurate.
+    /// accurate. Ours; Ceres has 1e-6, COLMAP 3.8 0.
     double function_tolerance = 1e-6;
     /// Memory of the reduced camera system, up to which it is formed point by point and factorised
     /// by tiles, and nothing else is kept. Empty tiles take none: 3,800 images that all see each
     /// other have 2 GiB, 3,500 in streets 169 MiB. Lowered: Ceres solves it,
-    /// and takes 1.4 kB an observation. Ours.
+    /// and takes 1.4 kB an observation. Ours (docs/performance.md, "Memory").
     std::uint32_t max_reduced_mib = 2048;
     /// Standard deviation of an observation over its feature's scale, 1 px at least. 0: all count
     /// alike, as in COLMAP. Higher: large features count less. Ours, tuned on Strecha's scenes

@@ -16,26 +16,29 @@ struct ClusterConstraintOptions {
     /// points for the uncertainty of their depth. Raised: wrong similarities gather inliers.
     /// Lowered: drift between clusters rejects true ones. Ours: 0.005 is 8 px in 1536.
     double max_error = 0.005;
-    /// Inliers that one edge's similarity needs. Lowered: chance agreements of look-alikes. Ours.
+    /// Inliers that one edge's similarity needs. Lowered: chance agreements of look-alikes. Ours;
+    /// not tuned.
     std::uint32_t min_edge_inliers = 8;
     /// Inliers that the final similarity of two clusters needs. Lowered: joins over thin evidence.
-    /// Ours.
+    /// Ours; not tuned.
     std::uint32_t min_pair_inliers = 16;
-    /// Part of the correspondences that must be inliers, of an edge and finally. Ours.
+    /// Part of the correspondences that must be inliers, of an edge and finally. Ours; not tuned.
     double min_inlier_ratio = 0.3;
     /// Neighbourhood similarity s below which an edge is an outlier (paper: lambda_s).
     double min_neighborhood_similarity = 0.9;
     /// So many cameras may change their neighbour in any case. Where two clusters meet, the last
     /// camera of either may well be nearer to the other's; in clusters of five that alone is s =
-    /// 0.8. Raised: small clusters may interleave. 0: the paper. Ours.
+    /// 0.8. Raised: small clusters may interleave. 0: the paper. Ours, for clusters of five; not
+    /// tuned.
     std::uint32_t border_cameras = 2;
     /// Cameras stand beside each other when they are nearer than this part of the depth of what
-    /// they see, and their viewing directions differ by less [deg]. As PlaceOptions. Ours.
+    /// they see, and their viewing directions differ by less [deg]. As PlaceOptions, ours.
     double companion_offset = 0.25;
     double companion_turn_deg = 25.0;
     /// Cameras beside some of another cluster without an edge to any of them, at which the two
     /// clusters cannot both stand where they do; 0: never, as in the paper. Lowered: a few pairs
-    /// that were not tried keep clusters apart; raised: folds join them. Ours.
+    /// that were not tried keep clusters apart; raised: folds join them. Ours, on the simulated
+    /// town (docs/look-alikes.md, "Places").
     std::uint32_t min_unmatched_cameras = 5;
     /// And their part of all that stand beside some of the other cluster, at least. Ours: those
     /// beside the one facade that two streets have are matched.
@@ -63,11 +66,11 @@ Result<void> validate(const ClusterConstraintOptions& options);
 struct PoseGraphOptions {
     /// Residual at which the Huber loss turns linear. A residual of 1 is one radian, a factor e in
     /// scale, or a shift by the extent of the points that the constraint rests on. Raised: bad
-    /// constraints pull more. Lowered: nearer to L1, slower. Ours.
+    /// constraints pull more. Lowered: nearer to L1, slower. Ours; not tuned.
     double huber_scale = 0.02;
     /// Constraints with a larger residual after optimisation are dropped, and the rest optimised
     /// again; a large value never drops. Lowered: loops that close badly by drift lose a true
-    /// constraint. Ours, not in the paper.
+    /// constraint. Ours, not in the paper; not tuned.
     double max_residual = 0.3;
     std::uint32_t max_iterations = 100;  ///< of Levenberg-Marquardt
     /// Of these while it is only asked which constraints are bad, at most, and the part of the cost

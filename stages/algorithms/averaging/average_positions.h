@@ -17,13 +17,13 @@ struct PositionAveragingOptions {
     /// Steps of the convex start at most. Lowered: the refinement starts further off, and may end
     /// in a local optimum. Ours: planted cases take 10 to 40.
     std::uint32_t max_start_iterations = 60;
-    /// The start ends when a step lowers its cost by a smaller part. Ours.
+    /// The start ends when a step lowers its cost by a smaller part. Ours; not tuned.
     double start_convergence = 1e-3;
     /// Residual from which the loss of the refinement departs from least squares [deg]. Raised:
     /// outliers pull more; lowered: true edges with noise lose their say. Wilson & Snavely 2014: a
     /// chord of 0.1.
     double loss_scale_deg = 5.7;
-    /// Iterations of the refinement at most. Ours.
+    /// Iterations of the refinement at most. Ours; not tuned.
     int max_refinement_iterations = 100;
     /// Lengths of edges that meet must be known relative to one another to this part. Raised:
     /// nodes on a line, whose distances the directions hardly determine, are placed; lowered: far
@@ -31,7 +31,8 @@ struct PositionAveragingOptions {
     /// placed with 0.1, up to 24 with 0.3; 0.03 loses rings with 1 degree of noise.
     double max_length_sigma = 0.1;
     /// Noise of a direction at least [deg], when lengths are judged; what the residuals say where
-    /// that is more. Lowered: in data without noise, shorter deviations from a line count. Ours.
+    /// that is more. Lowered: in data without noise, shorter deviations from a line count. Ours;
+    /// not tuned.
     double min_noise_deg = 0.1;
 };
 

@@ -17,7 +17,7 @@ struct DirectionFilterOptions {
     std::uint32_t axes = 48;
     /// Standard deviation of an axis about the direction of the edge that it is drawn from [deg],
     /// the bandwidth of the kernel density estimate. Raised: axes on which most edges are short and
-    /// tell nothing. Lowered: the same axes again where all edges are parallel. Ours, a guess.
+    /// tell nothing. Lowered: the same axes again where all edges are parallel. Ours; not tuned.
     double bandwidth_deg = 10.0;
     /// An edge is dropped when its score is above this. Raised: wrong edges stay, some of which
     /// the robust losses that follow cope with; lowered: true edges with noise go. GTSfM's 0.1

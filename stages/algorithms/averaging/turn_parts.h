@@ -16,7 +16,7 @@ namespace psfm {
 /// them vote. A part is turned where turn_again_factor times more weight agrees with another
 /// rotation than with the one that it has, the strongest edge of each left out: one edge by itself
 /// holds no part, and turns none. Nor do edges that together, with the strongest, weigh less than
-/// half of those that hold it. Ours.
+/// half of those that hold it. Ours (docs/look-alikes.md, "Rotations").
 /// @param parts  nodes of each, in the order in which they are asked
 /// @param rank   by edge: 0 for the strongest
 /// @param node_from_reference  is read and written

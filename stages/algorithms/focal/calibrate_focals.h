@@ -24,10 +24,10 @@ struct FocalCalibrationOptions {
     /// (docs/verification.md).
     std::size_t max_pair_points = 200;
     /// Pairs taken at most, those that tell most first. Raised: slower (about 0.05 ms a pair and
-    /// step). Source: ours.
+    /// step). Source: ours; not tuned.
     std::size_t max_pairs = 500;
     /// Focal lengths that are tried, over the longer side of the photograph: views of 118 to 14
-    /// degrees. Raised and lowered: fisheyes, long telephotos are missed. Source: ours.
+    /// degrees. Raised and lowered: fisheyes, long telephotos are missed. Source: ours; not tuned.
     double min_relative_focal = 0.3;
     double max_relative_focal = 4.0;
     /// Width of a pair's vote, as (s1 - s2) / (s1 + s2) of its essential matrix's singular values.
@@ -51,7 +51,7 @@ struct FocalCalibrationOptions {
     /// Triangulation angle of a pair above which a wider one tells no more [deg]. Raised: a few
     /// wide pairs are taken first; lowered: narrow ones, which tell little. Source: not tuned.
     double wide_angle_deg = 20.0;
-    /// Relative uncertainty above which a camera is left at its guess. Source: ours.
+    /// Relative uncertainty above which a camera is left at its guess. Source: ours; not tuned.
     double max_uncertainty = 0.2;
     /// Steps of the joint refinement at most. Source: ours; most scenes need ten.
     int max_iterations = 30;

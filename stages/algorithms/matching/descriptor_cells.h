@@ -21,7 +21,7 @@ struct CellOptions {
     /// Descriptors of a cell, about. Raised: more of them are compared in vain; lowered: choosing
     /// cells costs more than comparing. Ours, see docs/matching.md.
     std::size_t rows_per_cell = 160;
-    /// Of k-means over a sample. Raised: slightly tighter cells. Ours.
+    /// Of k-means over a sample. Raised: slightly tighter cells. Ours; not tuned.
     unsigned iterations = 4;
     /// A descriptor is compared with the cells whose centres are at most so much farther from it
     /// than the nearest one is, in squared distances of descriptors of length 1. Raised: slower;

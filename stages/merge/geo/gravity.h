@@ -39,7 +39,7 @@ struct Gravity {
 /// maximum-likelihood sense (smallest eigenvector of the sum of their outer products, as in
 /// Szeliski and others for panoramas), with Cauchy weights against tilted cameras. Cameras that all
 /// look one way leave open how far; all optical axes together then count as one observation, as a
-/// habit to look up is common to all. Ours.
+/// habit to look up is common to all. Ours (figures: docs/georeferencing.md, "Measured").
 /// @return empty without cameras
 /// Deterministic. Thread-safe.
 std::optional<Gravity> estimate_gravity(std::span<const OrientedCamera> cameras,

@@ -32,14 +32,14 @@ Result<void> validate(const GravityOptions& options);
 struct GeoreferenceOptions {
     /// Standard deviation of positions, east and north [m]. Raised: short components are not
     /// referenced, wrong positions pull more. Lowered: good positions count as outliers. Phones in
-    /// streets are 5 to 15 m off (GPS.gov: 4.9 m under open sky). Ours.
+    /// streets are 5 to 15 m off (GPS.gov: 4.9 m under open sky). Ours, from these.
     double horizontal_sigma_m = 5.0;
     /// The same of altitudes; ours: three times worse.
     double vertical_sigma_m = 15.0;
     /// Positions needed; at least 3, as two cannot contradict each other.
     std::uint32_t min_positions = 3;
     /// Part of a component's positions that must agree with its place, within
-    /// inlier_sigmas. Lowered: places by chance. Ours.
+    /// inlier_sigmas. Lowered: places by chance. Ours; not tuned.
     double min_inlier_ratio = 0.5;
     /// Standard deviation of the heading [rad], and as much relative error of the scale, at most:
     /// horizontal_sigma_m over the root of the cameras' summed squared distances from their mean.
@@ -49,9 +49,9 @@ struct GeoreferenceOptions {
     double max_heading_sigma = 0.25;
     /// A published place is kept while the estimate is not further off than this many of its own
     /// standard errors, in place and in heading. Raised: steps are rarer and larger. 0: every
-    /// version follows. Ours.
+    /// version follows. Ours; not tuned.
     double hold = 1.0;
-    /// A turn of less than this is kept in any case [deg]. Ours.
+    /// A turn of less than this is kept in any case [deg]. Ours; not tuned.
     double hold_angle_deg = 2.0;
     /// Minimal samples tried. Lowered: places are missed among many wrong positions. Ours: with
     /// half of them wrong 200 pairs all miss with a chance of 1e-25, triples with 3e-12.

@@ -8,7 +8,8 @@
 
 namespace psfm {
 
-/// What a model has to be, to be one, and to be more than a weak one. All ours.
+/// What a model has to be, to be one, and to be more than a weak one. All ours: what turns are told
+/// by is tuned on datasets/cases, docs/options.md says what is not tuned.
 struct AssessmentOptions {
     /// Turns of the camera by less say nothing [deg]: a short step past a plane, seen through an
     /// unknown focal length, looks like one. Raised: depth is invented; lowered: flights over flat

@@ -9,7 +9,8 @@
 namespace psfm {
 
 /// When an image has to see a point since two others see it from both sides (seen_between.h). All
-/// ours; figures: docs/look-alikes.md, "Seen from both sides".
+/// ours; figures: docs/look-alikes.md, "Seen from both sides"; which of them are not tuned stands
+/// in docs/options.md.
 struct BetweenOptions {
     /// The image's angles to both others add up to so much more than the angle between these, at
     /// most [deg]. Raised: points to one side of all who see them are expected, too; lowered:

@@ -10,7 +10,7 @@ namespace psfm {
 
 /// When a model of up to SolvePolicy::doubt_up_to images is doubted for what its images should see
 /// and do not, and what is tried then (missing_regions.h, reconsider_model.h). All ours; figures:
-/// docs/look-alikes.md, "Missing regions".
+/// docs/look-alikes.md, "Missing regions"; which of them are not tuned stands in docs/options.md.
 struct DoubtOptions {
     /// Regions along each side of a photograph. Raised: fewer points in each, which chance can
     /// miss; lowered: what differs beside a look-alike is mixed with what agrees.

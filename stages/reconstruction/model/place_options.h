@@ -15,7 +15,7 @@ struct PlaceOptions {
     /// Two images stand side by side when their centres are nearer than this part of the median
     /// depth of what either sees, so that nothing can stand between what one sees and the other.
     /// Raised: more pairs are compared, and more share less; lowered: folds of sparse images are
-    /// not seen. Ours.
+    /// not seen. Ours (wider ones tell less: docs/notebook/2026-11-25-folds.md).
     double max_offset = 0.25;
     /// And when their viewing directions differ by less [deg]. Raised, lowered: likewise.
     double max_turn_deg = 25.0;
@@ -26,7 +26,7 @@ struct PlaceOptions {
     /// made is not. Raised: points of sparse models do not count.
     std::uint32_t min_track = 3;
     /// Points that two images are expected to share, both ways together, before they are compared.
-    /// Lowered: chance decides; raised: images of few features are not compared. Ours.
+    /// Lowered: chance decides; raised: images of few features are not compared. Ours; not tuned.
     std::uint32_t min_expected = 40;
     /// Part of the expected points that images of one place share, relative to what both reach
     /// elsewhere: below it they speak for two places, above it for one. Ours: true pairs of the
@@ -36,11 +36,12 @@ struct PlaceOptions {
     /// What an edge of the view graph between images that do not stand side by side speaks for
     /// their being of one place, where a pair side by side speaks with 1 at most. Raised: folds
     /// that rest on many wrong edges stay; lowered: parts seen from different sides come apart more
-    /// easily. Ours.
+    /// easily. Ours; not tuned.
     double edge_weight = 0.01;
     /// Pairs side by side that share nothing, between two parts of a model, before they are taken
     /// for two places; 0: a model is never looked at. Lowered: wrong poses of single images count
-    /// as folds; raised: folds are seen later. Ours.
+    /// as folds; raised: folds are seen later. Ours: real scenes have none such
+    /// (docs/look-alikes.md).
     std::uint32_t min_contradictions = 5;
     /// Images of a place at least: fewer are images with wrong poses, which later adjustments and
     /// resets put right, and which could not make a cluster. Ours: two of 435 photographs of
@@ -49,16 +50,17 @@ struct PlaceOptions {
     /// Part of the expected points up to which a pair shares nothing: chance matches do occur.
     double max_shared_by_chance = 0.02;
     /// What an image's pairs reach elsewhere is that of the pair of this rank: one may be nearly a
-    /// copy. Raised: images with few beside them say nothing. Ours.
+    /// copy. Raised: images with few beside them say nothing. Ours, for that reason; not tuned.
     std::uint32_t reached_rank = 2;
     /// Points of each image that are looked at first. Lowered: all are looked at in vain more
-    /// often. Ours.
+    /// often. Ours, for time (docs/look-alikes.md).
     std::uint32_t glance_points = 48;
     /// Of these a pair that shares nothing shares at most so many times max_shared_by_chance.
-    /// Raised: all are looked at more often; lowered: folds are overlooked by chance. Ours.
+    /// Raised: all are looked at more often; lowered: folds are overlooked by chance. Ours; not
+    /// tuned.
     double glance_factor = 3.0;
     /// And a pair that shares more is of one place whatever the others say. Raised: more pairs have
-    /// all their points counted; lowered: chance decides. Ours.
+    /// all their points counted; lowered: chance decides. Ours; not tuned.
     double clear_part = 0.7;
     /// Rim of a photograph in which no point is expected, over its longer side: features are not
     /// found at the very edge, and poses are not exact. Raised: fewer points are; lowered: what is
@@ -82,7 +84,8 @@ struct PlaceOptions {
     /// more, right images of quad-streams 0.12 at most.
     double min_within = 0.18;
     /// Whether images are looked for that a cluster's model leaves out and that make a model of
-    /// their own (places_of_left_out): 1 or 0. 0: they wait, as in the paper. Ours.
+    /// their own (places_of_left_out): 1 or 0. 0: they wait, as in the paper. Ours
+    /// (docs/look-alikes.md).
     std::uint32_t left_out = 1;
 };
 

@@ -28,13 +28,13 @@ namespace psfm {
 /// Starting a model from two views.
 struct InitializationOptions {
     /// Points that the two-view model must have. Lower: starts from weaker pairs. COLMAP 3.8's
-    /// init_min_num_inliers is 100; ours, since mu_min images with few matches must still make a
-    /// model.
+    /// init_min_num_inliers is 100; ours, not tuned, since mu_min images with few matches must
+    /// still make a model.
     std::uint32_t min_points = 50;
     /// Median triangulation angle at least [deg]; halved three times when no pair has it.
     /// COLMAP 3.8: 16.
     double min_angle_deg = 16.0;
-    /// Pairs tried at most for one start. Ours.
+    /// Pairs tried at most for one start. Ours; not tuned.
     std::uint32_t max_pairs = 30;
     /// Starts of one solve, each from other images, while no model has half of the cluster. Raised:
     /// slower where no model has; lowered: a start in the wrong place decides. Not tuned.
@@ -94,16 +94,17 @@ struct RefinementOptions {
 /// Starting a model with all images at once.
 struct GlobalOptions {
     /// Images of a small model from which the intrinsics of shared cameras are had beforehand.
-    /// Raised: slower; lowered: intrinsics less well determined. Ours.
+    /// Raised: slower; lowered: intrinsics less well determined. Ours (docs/accuracy.md,
+    /// "Intrinsics first").
     std::uint32_t calibration_images = 20;
     /// Images of one camera that such a model must have. Lowered: cameras are taken for calibrated
-    /// that are not; raised: cameras of few images are not. Ours.
+    /// that are not; raised: cameras of few images are not. Ours; not tuned.
     std::uint32_t images_to_calibrate = 6;
     /// Factor by which its focal length may differ from what EXIF says. Raised: small models that
     /// went wrong are believed; lowered: EXIF that is wrong is. Not tuned.
     double max_focal_change = 1.25;
     /// Linearisations of reweighted least squares that refine the averaged rotations. Lowered:
-    /// rotations, and with them directions, less accurate. Ours.
+    /// rotations, and with them directions, less accurate. Ours; not tuned.
     std::uint32_t rotation_refinements = 20;
     /// Feature tracks that join the images as nodes, about so many seen by each image; 0: none.
     /// Raised: slower; lowered: less accurate, and without any, cameras on a line are not placed.
@@ -117,10 +118,11 @@ struct GlobalOptions {
     PositionAveragingOptions positions;
     /// Reprojection error of an observation at most in the first round [px], halved in each of the
     /// next down to that of `tracks`. Lowered: rough positions find no structure; raised: more
-    /// rounds, and wrong matches in the first ones. Ours.
+    /// rounds, and wrong matches in the first ones. Ours; not tuned.
     double start_error_px = 32.0;
     /// Tracks that are adjusted in these rounds, about so many seen by each image; then all are.
-    /// Raised: slower; lowered: intrinsics less well determined. Ours.
+    /// Raised: slower; lowered: intrinsics less well determined. Ours (docs/accuracy.md, "A cover
+    /// of 200 tracks").
     std::uint32_t adjusted_tracks_per_image = 200;
     /// Of the last of these rounds. Much is wrong at first: intrinsics, and with them rotations,
     /// along directions in which the error hardly changes. Iterations: photographs take 15 to 17;
@@ -128,7 +130,7 @@ struct GlobalOptions {
     AdjustmentOptions adjustment{
         .loss_scale_px = 1.0, .max_iterations = 30, .function_tolerance = 1e-6};
     /// function_tolerance of those before it, which only find out which observations to keep.
-    /// Lowered: slower. Ours.
+    /// Lowered: slower. Ours; not tuned.
     double round_tolerance = 1e-4;
 };
 
@@ -143,10 +145,11 @@ struct FewPointsOptions {
     /// Ours, tuned on kitchen (14 points, 398 matches with one image), judged on the other
     /// collections.
     std::uint32_t min_points = 10;
-    /// Part of them that have to agree with the pose. Lowered: as above. Ours.
+    /// Part of them that have to agree with the pose. Lowered: as above. Ours; not tuned.
     double min_inlier_ratio = 0.6;
     /// Observations that the image must have once its surroundings are adjusted: structure that was
-    /// not asked for the pose confirms it. Raised: as above; lowered: wrong poses stay. Ours.
+    /// not asked for the pose confirms it. Raised: as above; lowered: wrong poses stay. Ours; not
+    /// tuned.
     std::uint32_t min_observations = 40;
 };
 
@@ -197,7 +200,7 @@ struct SolveOptions {
     FewPointsOptions few_points;
     /// Images of a model of more than policy.affordable_up_to that are adjusted where others were
     /// joined to it, beside these, at least. Raised: slower; lowered: what they differ by is spread
-    /// over fewer. Ours.
+    /// over fewer. Ours; not tuned.
     std::uint32_t images_around_joint = 200;
     /// Images beside the new one whose poses move in a local adjustment. COLMAP 3.8: 6 in all.
     std::uint32_t local_neighbors = 5;
@@ -206,7 +209,7 @@ struct SolveOptions {
     std::uint32_t local_longest_track = 15;
     /// Points that an image shares with others to be adjusted with them, where a region of a model
     /// is: about what a pose is taken from at least. Raised: smaller regions, held by more;
-    /// lowered: slower. Ours.
+    /// lowered: slower. Ours, for that reason; not tuned.
     std::uint32_t neighbor_points = 15;
     /// Part of a model above which a region of it is not adjusted, but all of it. Raised: hardly
     /// faster than all; lowered: slower. Not tuned.
@@ -219,7 +222,7 @@ struct SolveOptions {
     /// above one half: hardly faster than all of it; lowered: slower. Not tuned.
     double max_surroundings = 0.75;
     /// What a weak edge weighs where rotations are averaged, beside others: it decides where
-    /// nothing else does. Raised: wrong ones turn parts. Ours.
+    /// nothing else does. Raised: wrong ones turn parts. Ours; not tuned.
     double weak_edge_weight = 1e-3;
     StrongLensOptions strong_lenses;
     /// Images of a camera that a published model must have for its intrinsics to be taken over in
@@ -235,11 +238,12 @@ struct SolveOptions {
     double max_contradiction_deg = 10.0;
     /// Only the images that a contradiction comes down to are placed anew, when they are at most
     /// this part of the model; else the cluster is solved new. Raised: folds may be patched instead
-    /// of undone; lowered: slower, since one wrong image gives up the work of hundreds. Ours.
+    /// of undone; lowered: slower, since one wrong image gives up the work of hundreds. Ours; not
+    /// tuned.
     double max_reset_images = 0.15;
     /// Part of the edges that may still contradict after a large model was taken apart and joined
     /// again: at such places it is the averaged
-    /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours.
+    /// rotations that are wrong. Raised: worse models live on; lowered: slower. Ours; not tuned.
     double max_contradicting_edges = 0.02;
     ResetOptions reset;
     /// When images that a model shows side by side are of different places.
@@ -267,7 +271,7 @@ struct SolveOptions {
         .points_per_image = 400};
     /// Of models of more than policy.converge_up_to that have grown or were joined. More or
     /// longer rounds: slower; fewer: they stay bent by more until they settle
-    /// (docs/performance.md). Ours.
+    /// Ours (docs/notebook/2026-11-25-thousands-of-images.md).
     RefinementOptions large_growth{
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 5, .function_tolerance = 1e-4},
         .max_rounds = 1,
@@ -288,7 +292,7 @@ struct SolveOptions {
     /// An edge counts with its inliers times its plausibility when rotations are averaged: many
     /// look-alikes a little way round a symmetric scene outnumber the few true edges between two
     /// parts that only just meet, and have as many inliers each. None: with its inliers, as in the
-    /// paper. Ours (docs/look-alikes.md).
+    /// paper. Ours (docs/look-alikes.md, "Rotations").
     std::optional<PlausibilityOptions> plausibility = PlausibilityOptions{};
     FocalCalibrationOptions focal_calibration;
     /// When cameras that may be one are not.

@@ -54,7 +54,8 @@ struct SolvePolicy {
     std::uint32_t mu_max = 50;
     /// Models of up to so many are compared with others once no more images come (DoubtOptions);
     /// 0: none is, as in the paper. Raised: every pair of images is compared, so the cost grows
-    /// with the square. Ours.
+    /// with the square. Ours: 400 take three times as long on a town of 300, and find no more
+    /// (docs/notebook/2026-11-26-folds-at-300.md).
     std::uint32_t doubt_up_to = 150;
     /// From so many on a model is too large to be looked at as a whole for every image: images are
     /// added by what they can change, the model is assessed when it settles only, and where its
@@ -62,32 +63,33 @@ struct SolvePolicy {
     /// it is solved new (a new start of 1,900 images takes two minutes, this two seconds). Lowered:
     /// wrong edges that only all of a cluster's rotations tell from right ones are kept more often,
     /// and what a new start would have found better; raised: an image takes longer the more there
-    /// are. Ours.
+    /// are. Ours, on quad-streams (docs/notebook/2026-11-25-image-by-image.md).
     std::uint32_t large_from = 200;
     /// Models of more are adjusted roughly when they have grown or were joined: from there on what
     /// is left is bending, which takes tens of steps to undo and is undone when they settle.
-    /// Raised: slower, models bent by less while images stream in. Ours (docs/performance.md).
+    /// Raised: slower, models bent by less while images stream in. Ours: from 200 on quad-streams
+    /// ends in two parts (docs/notebook/2026-11-25-thousands-of-images.md).
     std::uint32_t converge_up_to = 500;
     /// What may be asked or adjusted as a whole whenever a model has grown: larger ones are
     /// adjusted where they have grown or were joined, all of them only when they settle; they are
     /// asked for places by the schedule below; a new start of theirs waits until they settle where
     /// hardly an edge contradicts; and since they drift, they are asked for open loops. Raised:
     /// slower, drift spreads over the whole model sooner; the paper adjusts all, whatever the size.
-    /// Ours.
+    /// Ours, on towns (docs/notebook/2026-11-25-thousands-of-images.md).
     std::uint32_t affordable_up_to = 1000;
     /// All of the model is adjusted when it has grown by this part. Lower: slower, more accurate in
     /// between. Paper: eta_grow = 0.15.
     Schedule full_adjustment{0.15};
-    /// A model that contradicts the averaged rotations, and was kept, is asked again (ours: else an
-    /// ambiguous cluster would be solved new with every image).
+    /// A model that contradicts the averaged rotations, and was kept, is asked again (ours, not
+    /// tuned: else an ambiguous cluster would be solved new with every image).
     Schedule rotations{0.25};
-    /// A cluster much of which its model leaves out is solved new once more. Ours.
+    /// A cluster much of which its model leaves out is solved new once more. Ours; not tuned.
     Schedule new_start{0.25};
     /// A model that is not affordable is asked whether it shows several places (separate_places).
-    /// Ours.
+    /// Ours; not tuned.
     Schedule places{0.01};
     /// And which cameras may be one (judge_ties). Raised: mixed zoom is found later; lowered:
-    /// slower. Ours.
+    /// slower. Ours; not tuned.
     Schedule ties{0.5};
 
     /// Whether so many images are enough for a model.

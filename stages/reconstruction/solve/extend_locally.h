@@ -18,7 +18,8 @@ namespace psfm {
 /// contradictions looked for and places asked after there alone. Whatever needs all of the cluster
 /// is left to a solve with all of it: a model that has grown by eta_grow, settling, bad
 /// configurations. A fold that an edge of a new image reveals is seen here as there, since the edge
-/// is; one that only all rotations together reveal is seen when the model has next grown. Ours.
+/// is; one that only all rotations together reveal is seen when the model has next grown. Ours;
+/// figures: docs/notebook/2026-11-25-image-by-image.md.
 /// REQUIRES: the problem's plan has SolveScope::kSurroundings
 /// @return nothing when the cluster is to be solved with all of it
 /// @errors kCancelled, those of make_local_graph()

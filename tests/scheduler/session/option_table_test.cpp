@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
 #include "scheduler/session/presets.h"
 
@@ -58,6 +60,30 @@ TEST(OptionTable, PresetsAreReadToTheirLastLine) {
     paper.preset = "paper";
     EXPECT_FALSE(stage_options(paper)->solve.plausibility);
     EXPECT_EQ(stage_options(paper)->clustering.form, JaccardForm::kLiteral);
+}
+
+TEST(OptionTable, OfThePaperEachValueHasItsSectionOrADash) {
+    const auto text = preset_text("paper");
+    ASSERT_TRUE(text);
+    std::istringstream lines{std::string(*text)};
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line.front() == '#') continue;
+        const std::size_t at = line.find(" # ");
+        ASSERT_NE(at, std::string::npos) << line;
+        const std::string source = line.substr(at + 3);
+        EXPECT_TRUE(source == "-" || source.starts_with('"')) << line;
+    }
+}
+
+TEST(OptionTable, ThePaperSetsOnlyWhatIsOtherwiseByDefault) {
+    const auto options = preset_options("paper");
+    ASSERT_TRUE(options);
+    const StageOptions defaults;
+    for (const NamedOption& option : option_table()) {
+        const auto set = options->find(std::string(option.name));
+        if (set == options->end()) continue;
+        EXPECT_NE(set->second, option.get(defaults)) << option.name;
+    }
 }
 
 TEST(OptionTable, SettingsAreNumbersInTheirRanges) {

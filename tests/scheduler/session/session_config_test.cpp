@@ -72,14 +72,19 @@ TEST(StageOptions, PaperPresetSetsThePapersFormula) {
 }
 
 TEST(StageOptions, AreValid) {
-    const auto options = stage_options(SessionConfig{});
-    ASSERT_TRUE(options.ok());
-    EXPECT_TRUE(validate(options->solve).ok());
-    EXPECT_TRUE(validate(options->clustering).ok());
-    EXPECT_TRUE(validate(options->merge).ok());
-    EXPECT_TRUE(validate(options->retrieval).ok());
-    EXPECT_TRUE(validate(options->verification).ok());
-    EXPECT_TRUE(validate(options->features).ok());
+    for (const char* preset : {"default", "paper"}) {
+        SCOPED_TRACE(preset);
+        SessionConfig config;
+        config.preset = preset;
+        const auto options = stage_options(config);
+        ASSERT_TRUE(options.ok());
+        EXPECT_TRUE(validate(options->solve).ok());
+        EXPECT_TRUE(validate(options->clustering).ok());
+        EXPECT_TRUE(validate(options->merge).ok());
+        EXPECT_TRUE(validate(options->retrieval).ok());
+        EXPECT_TRUE(validate(options->verification).ok());
+        EXPECT_TRUE(validate(options->features).ok());
+    }
 }
 
 TEST(SessionConfig, NumbersOutOfRangeAreDamage) {

@@ -107,6 +107,19 @@ TEST(AverageRotations, RejectsPlantedOutliers) {
     }
 }
 
+// As --preset paper has it.
+TEST(AverageRotations, RejectsThemByTheSumOfCoordinatesToo) {
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        const RotationGraph graph = synthetic::make_random_rotations(
+            {.nodes = 60, .density = 0.4, .noise_sigma_deg = 0.5, .outlier_fraction = 0.2}, seed);
+        const RotationAveraging result = average(graph, {.norm = RotationNorm::kCoordinates});
+        EXPECT_LT(max_rotation_error_deg(result.node_from_reference, graph.cam_from_world), 2.0);
+        const Kept kept = kept_edges(graph, result);
+        EXPECT_EQ(kept.right, 1.0);
+        EXPECT_EQ(kept.wrong, 0.0);
+    }
+}
+
 TEST(AverageRotations, KeepsACleanRing) {
     const RotationGraph ring =
         synthetic::make_folded_ring({.nodes = 60, .look_alike_ratio = 0.0}, 3).graph;

@@ -71,7 +71,7 @@ TEST(PlanSolve, StartScopeAndEffortFollowFromSizes) {
     }
 }
 
-/// As scheduler/presets/paper.txt sets it.
+/// As scheduler/presets/paper.txt sets the sizes.
 SolvePolicy without_sizes() {
     constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
     return {.doubt_up_to = 0,
