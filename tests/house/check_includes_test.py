@@ -203,6 +203,8 @@ class CheckIncludes(unittest.TestCase):
         self.assertEqual(self.run_check()[0], 0)
         self.assert_found(self.THERE, f"# There\n\n{wide}\n", "121 columns", head="")
         self.write(self.THERE, "# There\n", head="")
+        self.assert_found("docs/performance.md", f"# Written by a tool\n\n{wide}\n", "121 columns", head="")
+        (self.root / "docs/performance.md").unlink()
         self.assert_found("graph/CMakeLists.txt", f"# {wide}\n", "123 columns")
 
     def test_empty_tree_is_no_success(self):
