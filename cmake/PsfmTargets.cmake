@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# One library a folder. psfm_add_library(NAME SOURCES ... PUBLIC ... PRIVATE ...) makes the static
-# library psfm_NAME with the alias psfm::NAME; psfm_add_test(NAME SOURCES ... LIBS ... LABELS ...)
-# makes one GoogleTest program and registers each of its tests with ctest.
+# A library holds a group of folders (docs/architecture.md, "The folders"). psfm_add_library(NAME SOURCES ...
+# PUBLIC ... PRIVATE ...) makes the static library psfm_NAME with the alias psfm::NAME; psfm_add_test(NAME SOURCES ...
+# LIBS ... LABELS ...) makes one GoogleTest program and registers each of its tests with ctest.
 
 include(PsfmInstall)
 

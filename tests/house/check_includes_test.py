@@ -28,6 +28,9 @@ class CheckIncludes(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
         self.write("tools/ci/folders.txt", TABLE, head="")
+        for folder in ("graph", "storage", "stages/features", "stages/clustering", "scheduler", "tools/commands"):
+            self.write(f"{folder}/README.md", "# What belongs here\n", head="")
+        self.write("stages/merge/README.md", "# Merging\n\n`deep/` is below it.\n", head="")
         self.write("graph/ids.h", "#pragma once\n#include <vector>\n")
         self.write("storage/store.h", '#pragma once\n#include "graph/ids.h"\n')
         self.write("stages/merge/merge.h", '#pragma once\n#include "graph/ids.h"\n')
@@ -178,12 +181,30 @@ class CheckIncludes(unittest.TestCase):
         self.assertEqual(self.run_check()[0], 0)
         self.assert_found("graph/a.cpp", "// As tools/there" + ".md says.\n", "is no document")
 
+    def test_every_folder_says_what_belongs_there(self):
+        self.write("tools/viewer/README.md", "# Pages\n\nIn `src/` are the sources.\n", head="")
+        self.write("tools/viewer/src/viewer.ts", "")
+        self.write("tools/report/README.md", "# Report\n", head="")
+        self.write("tests/graph/here.h", "#pragma once\n")
+        self.assertEqual(self.run_check()[0], 0)
+        self.write("tools/report/plots/plot.h", "#pragma once\n")
+        for above in ("# Report\n", "# Report\n\nThe plots are below.\n"):
+            self.write("tools/report/README.md", above, head="")
+            self.assertIn("tools/report/plots:1: no README.md", self.run_check()[1])
+        self.write("tools/report/README.md", "# Report\n\nBelow: `plots`.\n", head="")
+        self.assertEqual(self.run_check()[0], 0)
+        self.write("README.md", "# psfm\n\nValues are in `graph/`.\n", head="")
+        (self.root / "graph/README.md").unlink()
+        self.assertIn("graph:1: no README.md", self.run_check()[1])
+
     def test_columns(self):
         wide = "word " * 24 + "s"
         self.write(self.THERE, f"# There\n\n{wide[:120]}\n|{wide} in a table|\n", head="")
         self.assertEqual(self.run_check()[0], 0)
         self.assert_found(self.THERE, f"# There\n\n{wide}\n", "121 columns", head="")
         self.write(self.THERE, "# There\n", head="")
+        self.assert_found("docs/performance.md", f"# Written by a tool\n\n{wide}\n", "121 columns", head="")
+        (self.root / "docs/performance.md").unlink()
         self.assert_found("graph/CMakeLists.txt", f"# {wide}\n", "123 columns")
 
     def test_empty_tree_is_no_success(self):

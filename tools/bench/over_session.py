@@ -9,7 +9,7 @@ from bench_settings import chosen, photographs_of, scratch, thread_options, writ
 from console import Failed, answer_json, say
 from node_times import node_table
 from orders import read_order
-from report import number, significant, table
+from report import number, paragraph, significant, table
 from sources import in_datasets
 from svg_plot import Panel, Series, draw
 from watched import watch
@@ -100,12 +100,13 @@ def session_section(result):
         values = [seconds for _, seconds in points]
         rows.append(["all", number(median(values), 2), number(percentile(values, 0.95), 2), number(scene["peak_mib"])])
         parts.append(f"\n### {name}, {scene['images']} images\n\n")
-        parts.append(f"{scene['placed']} placed, {number(scene['outliers'])} outliers, relative error "
-                     f"{significant(scene['ate_rel'] and 100 * scene['ate_rel'], ' %')}; "
-                     f"{number(scene['seconds'])} s in all, {number(scene['processor_seconds'])} s of processor time. ")
+        words = (f"{scene['placed']} placed, {number(scene['outliers'])} outliers, relative error "
+                 f"{significant(scene['ate_rel'] and 100 * scene['ate_rel'], ' %')}; "
+                 f"{number(scene['seconds'])} s in all, {number(scene['processor_seconds'])} s of processor time.")
         if growth(points) is not None:
-            parts.append(f"Median latency of images 501–600 / images 101–200: **{number(growth(points), 2)}**. ")
-        parts.append("\n\n" + table(["images", "median latency [s]", "95th percentile [s]", "memory at most [MiB]"], rows))
+            words += f" Median latency of images 501–600 / images 101–200: **{number(growth(points), 2)}**."
+        parts.append(paragraph(words))
+        parts.append("\n" + table(["images", "median latency [s]", "95th percentile [s]", "memory at most [MiB]"], rows))
         parts.append(f"\n![Latency and memory, {name}](performance/session-{name}.svg)\n")
         if scene["nodes"]:
             parts.append("\n" + node_table(scene["nodes"]))

@@ -6,7 +6,7 @@ import shutil
 from arithmetic import quotient, seconds_at
 from bench_settings import scratch, thread_options
 from console import answer_json, say
-from report import number, table
+from report import item, number, table
 from svg_plot import Panel, Series, draw
 from watched import watch
 
@@ -14,7 +14,8 @@ ABOUT = """\
 `psfm simulate --scene streets` makes features and verified pairs of a town that grows with the number of images, and
 `psfm import` takes them through the pipeline, in two orders; no photograph is looked at. *Several users at once*
 (order.txt) walk all over the town, again and again: of 10,000 images the last thousand have 2.7 times as many pairs
-with earlier ones as the second thousand have. *District by district* (districts.txt) the session grows, and what an image overlaps does not.
+with earlier ones as the second thousand have. *District by district* (districts.txt) the session grows, and what an
+image overlaps does not.
 """
 IMAGES = 10000
 ORDERS = {"order": "several users at once", "districts": "district by district"}
@@ -64,13 +65,13 @@ def growth(times):
 
 def section(result):
     tenth = result["order"]["times"][0][0]
-    lines = [f"- {name}: {number(of['placed'])} of {number(result['images'])} placed, {number(of['seconds'])} s with"
-             f" settling, peak {number(of['peak_mib'])} MiB; time of the last {number(tenth)} / time of the second"
-             f" {number(tenth)}: **{number(growth(of['times']), 2)}**"
+    lines = [item(f"{name}: {number(of['placed'])} of {number(result['images'])} placed, {number(of['seconds'])} s with"
+                  f" settling, peak {number(of['peak_mib'])} MiB; time of the last {number(tenth)} / time of the second"
+                  f" {number(tenth)}: **{number(growth(of['times']), 2)}**")
              for order, name in ORDERS.items() for of in [result[order]]]
     taken = [dict(steps(result[order]["times"])) for order in ORDERS]
     rows = [[number(count), *(number(of.get(count), 1) for of in taken)] for count, _ in result["order"]["times"]]
-    return (ABOUT + "\n" + "\n".join(lines) + "\n\n"
+    return (ABOUT + "\n" + "".join(lines) + "\n"
             + table(["up to image", *(f"seconds for {number(tenth)}, {name}" for name in ORDERS.values())], rows)
             + "\n![A simulated session](performance/simulated.svg)\n")
 

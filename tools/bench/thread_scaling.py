@@ -18,8 +18,8 @@ from watched import watch
 ABOUT = """\
 `psfm run --threads N` in its default mode, from photographs to the finished session; the numbers of threads take turns.
 The serial fraction of a row is Karp and Flatt's, (1/S - 1/N) / (1 - 1/N) of the speed-up S on N threads: where it grows
-with N, something is fought over. Amdahl's fit is the one fraction that explains all rows best. A node is *busy* while it
-runs at least once, *waiting* while it has input and does not run (no thread is free), *starved* while it has none;
+with N, something is fought over. Amdahl's fit is the one fraction that explains all rows best. A node is *busy* while
+it runs at least once, *waiting* while it has input and does not run (no thread is free), *starved* while it has none;
 *work* adds up what ran at once, and what an input waited is counted until its node begins with it.
 """
 
