@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "stages/algorithms/math/median.h"
 #include "stages/evaluation/evaluate_model.h"
 #include "tests/scheduler/imported_session.h"
 #include "tests/synthetic/look_alikes/look_alike_scene.h"
@@ -52,12 +53,6 @@ std::vector<NamedPose> truth_of(const synthetic::LookAlikeScene& scene) {
     return poses;
 }
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
-
 /// So many images of the others, the nearest first.
 std::vector<std::size_t> nearest(const std::vector<NamedPose>& poses, std::size_t image,
                                  std::size_t count) {
@@ -84,7 +79,7 @@ double spacing_of(const std::vector<NamedPose>& truth) {
                              truth[other].cam_from_world.target_origin_in_source())
                                 .norm());
     }
-    return median(std::move(distances));
+    return upper_median(std::move(distances));
 }
 
 /// Images that stand in no one piece with those around them: where these few are aligned with the
@@ -166,7 +161,7 @@ TEST_P(LargeSession, OfATownIsWhereItShouldBe) {
             errors.push_back(image.position / spacing);
     }
     ASSERT_FALSE(errors.empty());
-    const double median_error = median(errors);
+    const double median_error = upper_median(errors);
     EXPECT_LE(parts, town.max_parts);
     EXPECT_LE(median_error, town.max_median_spacings);
     EXPECT_LE(torn, town.max_torn);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "stages/algorithms/averaging/refine_rotations.h"
 #include "stages/algorithms/averaging/rotation_problem.h"
 #include "stages/algorithms/averaging/start_rotations.h"
+#include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/maximum_spanning_tree.h"
 
 namespace psfm {
@@ -73,8 +73,8 @@ std::vector<double> residuals_deg(std::span<const RelativeRotation> edges,
     for (const RelativeRotation& edge : edges) {
         const Eigen::Quaterniond j_from_i =
             node_from_reference[edge.j] * node_from_reference[edge.i].conjugate();
-        residuals.push_back(angle_between(edge.j_from_i.normalized(), j_from_i) * 180.0 /
-                            std::numbers::pi);
+        residuals.push_back(
+            degrees_from_radians(angle_between(edge.j_from_i.normalized(), j_from_i)));
     }
     return residuals;
 }

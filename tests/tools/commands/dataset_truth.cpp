@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <utility>
 #include <vector>
 
+#include "stages/algorithms/math/median.h"
 #include "storage/exchange/models/read_colmap.h"
 
 namespace psfm::test {
@@ -38,9 +40,7 @@ double median_residual_px(const ExportedModel& model) {
         }
     }
     if (residuals.empty()) return 0.0;
-    const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-    std::ranges::nth_element(residuals, middle);
-    return *middle;
+    return upper_median(std::move(residuals));
 }
 
 Result<BorderReport> look_at_borders(const std::filesystem::path& dataset) {
