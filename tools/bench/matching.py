@@ -8,6 +8,7 @@ import sqlite3
 import scenes
 from arithmetic import median
 from bench_settings import photographs_of, scratch, write_order
+from colmap_progressive import colmap_version
 from console import Failed, answer, say
 from peers import required_colmap
 from report import number, table
