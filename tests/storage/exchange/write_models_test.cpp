@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <Eigen/Core>
+#include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "storage/exchange/models/previous_export.h"
 #include "storage/exchange/models/read_colmap.h"
@@ -43,6 +46,40 @@ TEST(WriteModels, NothingButTheFormatsFilesIsLeft) {
         EXPECT_EQ(written->size(), 3U);
         for (const auto& path : *written) EXPECT_TRUE(std::filesystem::exists(path)) << path;
         EXPECT_EQ(test::count_files(folder.path()), 3 * files_each.at(i) + 1);  // and .psfm-export
+    }
+}
+
+/// All files of a folder, one after the other.
+std::string bytes_of(const std::filesystem::path& folder) {
+    std::string bytes;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+        if (entry.is_regular_file()) bytes += test::file_bytes(entry.path());
+    }
+    return bytes;
+}
+
+TEST(WriteModels, PointCoordinatesAreThoseOfTheFiles) {
+    // Far from the origin, and two points so near to each other that they have one place as floats.
+    const Eigen::Vector3d far(9.1e6, -3.3e6, 5.0e5);
+    ExportedModel model = example_model(5, 20, 1);
+    for (ExportedPoint& point : model.points) point.position += far;
+    for (ExportedImage& image : model.images)
+        image.cam_from_world.translation -= image.cam_from_world.rotation * far;
+    model.points[1].position = model.points[0].position;
+    const std::string distinct = "element vertex " + std::to_string(model.points.size() - 1) + "\n";
+    WriteModelsOptions options;
+    options.ply = PlyContents::kPoints;
+    for (const std::string_view name : export_format_names()) {
+        SCOPED_TRACE(name);
+        const test::TemporaryFolder folder;
+        const ExportFormat format = *export_format_from_name(name);
+        ASSERT_TRUE(write_models({{model}}, format, folder.path(), options).ok());
+        const std::string bytes = bytes_of(folder.path());
+        const PointCoordinates coordinates = point_coordinates(format);
+        EXPECT_EQ(bytes.find("origin") != std::string::npos,
+                  coordinates != PointCoordinates::kDoubles);
+        EXPECT_EQ(bytes.find(distinct) != std::string::npos,
+                  coordinates == PointCoordinates::kDistinctFloats);
     }
 }
 

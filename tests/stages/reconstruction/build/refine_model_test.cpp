@@ -109,6 +109,16 @@ TEST(RefineAround, AdjustsAllWhereThatIsNearlyAll) {
     EXPECT_LT(mean_error(wall), disturbed);
 }
 
+TEST(RefineAround, WhatIsNearlyAllIsAnOption) {
+    const SceneModel wall(noisy_wall(1));
+    wall.disturb(0.005, 2);
+    const auto before = poses_of(*wall.model);
+    SolveOptions options;
+    options.max_region = 0.05;
+    ASSERT_TRUE(refine_around(*wall.model, {20}, 0, held(options)).ok());
+    EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "but for the gauge";
+}
+
 TEST(RefineAround, CountsOnlyImagesThatAreThere) {
     const SceneModel wall(noisy_wall(1));
     wall.model->remove_image(20);

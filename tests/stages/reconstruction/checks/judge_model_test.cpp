@@ -122,5 +122,27 @@ TEST(IsBetter, InPlaceOfAStuckModelIsLargerAndAgrees) {
     EXPECT_FALSE(is_better(attempt_of(10, 100, 0), old, kReason, {}));
 }
 
+TEST(ResetOptions, DecideWhenAModelGivesWay) {
+    SolveOptions options;
+    SolveAttempt worse = attempt_of(20, 100, 10);
+    worse.state.tolerated_contradiction_deg = 60.0;
+    worse.state.images_at_contradiction = 20;
+    worse.contradiction.angle_deg = 91.0;
+    EXPECT_TRUE(reason_to_reset(worse, cluster_of(20), options));
+    options.reset.worse_by = 2.0;
+    EXPECT_FALSE(reason_to_reset(worse, cluster_of(20), options));
+
+    EXPECT_TRUE(is_stuck(14, cluster_of(20), options));
+    EXPECT_FALSE(is_stuck(15, cluster_of(20), options));
+    options.reset.stuck_below = 0.6;
+    EXPECT_FALSE(is_stuck(14, cluster_of(20), options));
+
+    constexpr auto kReason = Reset::Reason::kContradiction;
+    const SolveAttempt old = attempt_of(20, 100, 10);
+    EXPECT_FALSE(is_better(attempt_of(15, 100, 0), old, kReason, options));
+    options.reset.min_kept = 0.7;
+    EXPECT_TRUE(is_better(attempt_of(15, 100, 0), old, kReason, options));
+}
+
 }  // namespace
 }  // namespace psfm

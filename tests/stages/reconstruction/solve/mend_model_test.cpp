@@ -221,6 +221,11 @@ TEST_F(MendModel, HardlyAnythingGainedIsNotKept) {
     EXPECT_FALSE(statistics_.reset.has_value());
     EXPECT_EQ(contradiction().beyond, beyond);
     EXPECT_EQ(max_error(), error);
+
+    options_.reset.max_left = 1.0;
+    ASSERT_TRUE(mend().ok());
+    EXPECT_LT(contradiction().beyond, beyond) << "what is hardly anything is an option";
+    EXPECT_NE(max_error(), error);
 }
 
 TEST_F(MendModel, StopsOnRequest) {
