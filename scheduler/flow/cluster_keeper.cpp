@@ -73,7 +73,7 @@ Result<StoredEdit> ClusterKeeper::separate(const ClusterProblem& problem,
         sort_unique(verdict.together);
     }
     if (!verdict.apart.empty())
-        outbox_->tell(describe_places(problem, *solution, state_->images), *state_);
+        outbox_->tell(describe_places(problem, *solution, state_->photographs.images), *state_);
     // The records of these hold the pairs.
     std::set<ClusterId> holders;
     for (const std::vector<ImagePair>* pairs : {&verdict.apart, &verdict.together}) {
@@ -232,8 +232,8 @@ std::vector<ClusterId> ClusterKeeper::update_hosts(std::span<const ImageId> touc
             changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
         }
     }
-    const std::vector<ImageId> guests = state_->clusters.guests_of(clusters);
-    changed.insert(changed.end(), guests.begin(), guests.end());
+    for (const ClusterId id : clusters)
+        std::ranges::copy(state_->clusters.hosts().guests_of(id), std::back_inserter(changed));
     std::vector<std::pair<ImageId, std::optional<ClusterId>>> hosts;
     for (const ImageId image :
          images_to_host_again(state_->view_graph, state_->clustering, changed, mu_min)) {
@@ -258,9 +258,9 @@ std::vector<ClusterId> ClusterKeeper::adopt(const MergedMessage& message) {
             host != state_->clusters.entries().end() &&
             options_->solve.policy.makes_model(host->second.membership.members.size());
         if (!is_current) continue;
-        outbox_->tell(
-            describe_adoption(adoption, own.id, state_->images[index_of(adoption.image)].name),
-            *state_);
+        outbox_->tell(describe_adoption(adoption, own.id,
+                                        state_->photographs.images[index_of(adoption.image)].name),
+                      *state_);
         state_->clusters.adopt(adoption.image, adoption.host);
         hosts.push_back(adoption.host);
     }
@@ -276,7 +276,7 @@ StoredCluster ClusterKeeper::stored(const ClusterEntry& entry) const {
     cluster.solved_topology = entry.published.topology;
     cluster.revision = entry.published.revision;
     cluster.transfer_topology = entry.material.transfer_topology;
-    cluster.adopted = state_->clusters.adopted_by(entry);
+    cluster.adopted = state_->clusters.hosts().adopted_by(entry.id);
     cluster.apart = apart_pairs_of(state_->edges, entry.membership.members);
     cluster.at_rest = state_->concluding;
     cluster.abandoned = entry.published.revision > 0 && !entry.published.model;

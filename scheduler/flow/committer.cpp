@@ -22,7 +22,7 @@ Committer::Committer(SessionStore& store, SessionConfig config, const StageOptio
       intake_(store, config_, options_, state_, reports_, outbox_),
       keeper_(store, options_, state_, outbox_),
       pace_(pace) {
-    state_.keypoints.set_budget(pace.idle_bytes);
+    state_.photographs.keypoints.set_budget(pace.idle_bytes);
     state_.models.set_budget(pace.idle_bytes);
 }
 
@@ -85,9 +85,10 @@ Result<std::vector<UnplacedImage>> Committer::images_to_adopt() {
         if (!image.keypoints) missing.push_back(image.id);
     }
     if (missing.empty()) return unplaced;
-    const auto read = state_.keypoints.use(missing, *store_);
+    const auto read = state_.photographs.keypoints.use(missing, *store_);
     if (!read.ok()) return read.error();
-    for (UnplacedImage& image : unplaced) image.keypoints = state_.keypoints[index_of(image.id)];
+    for (UnplacedImage& image : unplaced)
+        image.keypoints = state_.photographs.keypoints[index_of(image.id)];
     return unplaced;
 }
 

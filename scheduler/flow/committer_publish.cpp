@@ -73,10 +73,10 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
 
 void Committer::count(const Scene& scene) {
     SessionCounts& counts = state_.counts;
-    counts.images = state_.image_count();
+    counts.images = state_.photographs.image_count();
     counts.placed = static_cast<std::uint32_t>(placed_count(scene));
     counts.waiting = counts.images - counts.placed;
-    counts.rejected = static_cast<std::uint32_t>(state_.rejected.size());
+    counts.rejected = static_cast<std::uint32_t>(state_.photographs.rejected.size());
     counts.clusters =
         static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
             return cluster->model && !cluster->model->empty();

@@ -18,7 +18,7 @@ Result<void> Committer::on(const CatchUp& /*message*/, CommitOutput& /*output*/)
         settle_first_ = settle_first_ || entry.published.settled;
     }
     for (std::uint32_t image = scene.image_count; image < state_.verified; ++image) {
-        reports_.take_up(state_.images[image]);
+        reports_.take_up(state_.photographs.images[image]);
     }
     return {};
 }

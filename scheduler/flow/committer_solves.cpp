@@ -15,7 +15,7 @@ namespace psfm {
 
 Result<std::shared_ptr<const ClusterProblem>> Committer::problem_of(const ClusterEntry& entry,
                                                                     bool settle) {
-    const auto read = state_.keypoints.use(state_.clusters.images_of(entry), *store_);
+    const auto read = state_.photographs.keypoints.use(state_.clusters.images_of(entry), *store_);
     if (!read.ok()) return read.error();
     const auto awake = state_.models.use(std::span(&entry.id, 1), state_.clusters, *store_);
     if (!awake.ok()) return awake.error();
@@ -32,7 +32,7 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
         ++solving_;
     }
     // Those that a cluster could not place are tried elsewhere (unplaced_images).
-    state_.keypoints.release([&](ImageId image) {
+    state_.photographs.keypoints.release([&](ImageId image) {
         if (index_of(image) >= state_.verified) return false;
         const ClusterEntry& entry = state_.clusters.of(image);
         return entry.phase == ClusterPhase::kClean && entry.published.model &&
@@ -115,9 +115,9 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
     reports_.solve(*message.problem, statistics.milliseconds);
     if (statistics.reset) {
         ++state_.counts.resets;
-        outbox_.tell(describe_reset(*message.problem, solution, state_.images), state_);
+        outbox_.tell(describe_reset(*message.problem, solution, state_.photographs.images), state_);
     }
-    if (auto cameras = describe_cameras(*message.problem, solution, state_.images))
+    if (auto cameras = describe_cameras(*message.problem, solution, state_.photographs.images))
         outbox_.tell(*std::move(cameras), state_);
     const ClusterEntry* entry =
         state_.clusters.finish(*message.problem, solution, message.solution->ok());

@@ -19,7 +19,7 @@ Result<AcceptedImagePtr> Intake::reject(const ExtractedMessage& message, const s
         rejected.file_time = stamp->modified_ns;
     }
     if (const auto stored = store_->commit_rejected(rejected); !stored.ok()) return stored.error();
-    state_->rejected.insert(message.file.name);
+    state_->photographs.rejected.insert(message.file.name);
     outbox_->tell_of_photo(SessionEvent::Kind::kRejected, message.file.name, reason);
     ++outbox_->images_released;
     return AcceptedImagePtr();
@@ -29,9 +29,10 @@ void Intake::pass_over(const ExtractedMessage& message) {
     ++outbox_->images_released;
     const std::string& name = message.file.name;
     if (!message.photo->ok()) return;  // it was read when it was accepted
-    const auto twin = state_->image_of_content.find(message.photo->value().metadata.content_hash);
-    if (twin != state_->image_of_content.end() &&
-        state_->images[index_of(twin->second)].name == name)
+    const auto twin =
+        state_->photographs.image_of_content.find(message.photo->value().metadata.content_hash);
+    if (twin != state_->photographs.image_of_content.end() &&
+        state_->photographs.images[index_of(twin->second)].name == name)
         return;
     outbox_->tell_of_photo(
         SessionEvent::Kind::kRejected, name,
@@ -41,29 +42,30 @@ void Intake::pass_over(const ExtractedMessage& message) {
 }
 
 std::optional<CameraId> Intake::camera_of(const Image& image) {
-    const CameraId next{state_->cameras.empty() ? 0
-                                                : index_of(state_->cameras.rbegin()->first) + 1};
+    const CameraId next{state_->photographs.cameras.empty()
+                            ? 0
+                            : index_of(state_->photographs.cameras.rbegin()->first) + 1};
     const auto given = config_->given_cameras.find(image.name);
     if (given == config_->given_cameras.end()) {
-        const CameraAssignment assignment =
-            assign_camera(config_->camera_sharing, image.metadata, image.name,
-                          state_->camera_of_key, next, options_->features.unknown_focal);
-        state_->camera_of_key.try_emplace(assignment.key, assignment.camera);
-        if (assignment.added) state_->cameras[assignment.camera] = *assignment.added;
+        const CameraAssignment assignment = assign_camera(
+            config_->camera_sharing, image.metadata, image.name, state_->photographs.camera_of_key,
+            next, options_->features.unknown_focal);
+        state_->photographs.camera_of_key.try_emplace(assignment.key, assignment.camera);
+        if (assignment.added) state_->photographs.cameras[assignment.camera] = *assignment.added;
         return assignment.camera;
     }
     const Camera& camera = given->second.camera;
     if (camera.width != image.metadata.width || camera.height != image.metadata.height)
         return std::nullopt;
     const auto [entry, added] =
-        state_->camera_of_key.try_emplace("given:" + given->second.key, next);
-    if (added) state_->cameras[next] = camera;
+        state_->photographs.camera_of_key.try_emplace("given:" + given->second.key, next);
+    if (added) state_->photographs.cameras[next] = camera;
     return entry->second;
 }
 
 Result<AcceptedImagePtr> Intake::take(const ExtractedMessage& message) {
     const std::string& name = message.file.name;
-    if (state_->names.contains(name)) {
+    if (state_->photographs.names.contains(name)) {
         pass_over(message);
         return AcceptedImagePtr();
     }
@@ -75,17 +77,17 @@ Result<AcceptedImagePtr> Intake::take(const ExtractedMessage& message) {
     }
     const ExtractedPhoto& photo = message.photo->value();
     const std::uint64_t hash = photo.metadata.content_hash;
-    if (state_->removed_content.contains(hash))
+    if (state_->photographs.removed_content.contains(hash))
         return reject(message, removal_reason(name), hash, message.stamp);
-    if (const auto twin = state_->image_of_content.find(hash);
-        twin != state_->image_of_content.end())
+    if (const auto twin = state_->photographs.image_of_content.find(hash);
+        twin != state_->photographs.image_of_content.end())
         return meet_twin(message, twin->second);
     if (const std::string copy = small_copy_of_known(name, photo); !copy.empty())
         return reject(message, copy, hash, message.stamp);
 
     auto accepted = std::make_shared<AcceptedImage>();
     Image& image = accepted->image;
-    image.id = static_cast<ImageId>(state_->images.size());
+    image.id = static_cast<ImageId>(state_->photographs.images.size());
     image.name = name;
     image.metadata = photo.metadata;
     const auto camera = camera_of(image);
@@ -99,7 +101,7 @@ Result<AcceptedImagePtr> Intake::take(const ExtractedMessage& message) {
                       hash, std::nullopt);
     }
     image.camera = *camera;
-    accepted->camera = state_->cameras.at(image.camera);
+    accepted->camera = state_->photographs.cameras.at(image.camera);
     accepted->view_graph = state_->view_graph;
     ImageSource source;
     source.signature = photo.signature;
@@ -113,12 +115,12 @@ Result<AcceptedImagePtr> Intake::take(const ExtractedMessage& message) {
         !stored.ok())
         return stored.error();
 
-    state_->images.push_back(image);
-    state_->sources.push_back(std::move(source));
-    state_->keypoints.push_back(std::make_shared<const Keypoints>(photo.keypoints));
-    state_->image_of_content.emplace(hash, image.id);
-    state_->names.insert(image.name);
-    state_->rejected.erase(image.name);
+    state_->photographs.images.push_back(image);
+    state_->photographs.sources.push_back(std::move(source));
+    state_->photographs.keypoints.push_back(std::make_shared<const Keypoints>(photo.keypoints));
+    state_->photographs.image_of_content.emplace(hash, image.id);
+    state_->photographs.names.insert(image.name);
+    state_->photographs.rejected.erase(image.name);
     reports_->accept(image, message.arrival, message.extract_ms);
     for (const std::string& remark : photo.remarks)
         outbox_->tell_of_photo(SessionEvent::Kind::kRemark, name, remark);

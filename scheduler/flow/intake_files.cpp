@@ -25,8 +25,8 @@ Glance glance_of(const PhotoMetadata& photo, const std::vector<std::uint8_t>& si
 
 Result<AcceptedImagePtr> Intake::meet_twin(const ExtractedMessage& message, ImageId twin) {
     const std::string& name = message.file.name;
-    Image& image = state_->images[index_of(twin)];
-    ImageSource& source = state_->sources[index_of(twin)];
+    Image& image = state_->photographs.images[index_of(twin)];
+    ImageSource& source = state_->photographs.sources[index_of(twin)];
     const std::filesystem::path folder = source.file.folder;
     const bool has_moved = !folder.empty() && is_gone(folder / image.name);
     if (!has_moved || !message.stamp) {
@@ -41,9 +41,9 @@ Result<AcceptedImagePtr> Intake::meet_twin(const ExtractedMessage& message, Imag
     if (const auto stored = store_->commit_files({moved}); !stored.ok()) return stored.error();
     outbox_->tell_of_photo(SessionEvent::Kind::kRemark, name,
                            image.name + " was moved or renamed, and is " + name + " now");
-    state_->names.erase(image.name);
-    state_->names.insert(name);
-    state_->rejected.erase(name);
+    state_->photographs.names.erase(image.name);
+    state_->photographs.names.insert(name);
+    state_->photographs.rejected.erase(name);
     image = std::move(moved.image);
     source = std::move(moved.source);
     ++outbox_->images_released;
@@ -53,8 +53,8 @@ Result<AcceptedImagePtr> Intake::meet_twin(const ExtractedMessage& message, Imag
 std::string Intake::small_copy_of_known(const std::string& name,
                                         const ExtractedPhoto& photo) const {
     const Glance glance = glance_of(photo.metadata, photo.signature);
-    for (const Image& image : state_->images) {
-        const ImageSource& source = state_->sources[index_of(image.id)];
+    for (const Image& image : state_->photographs.images) {
+        const ImageSource& source = state_->photographs.sources[index_of(image.id)];
         if (source.removed || !is_reduced_copy(glance, glance_of(image.metadata, source.signature),
                                                options_->features.small_copies))
             continue;
@@ -65,10 +65,11 @@ std::string Intake::small_copy_of_known(const std::string& name,
 }
 
 void Intake::tell_of_small_copies(ImageId id) {
-    const Image& image = state_->images[index_of(id)];
-    const Glance glance = glance_of(image.metadata, state_->sources[index_of(id)].signature);
-    for (const Image& other : state_->images) {
-        const ImageSource& source = state_->sources[index_of(other.id)];
+    const Image& image = state_->photographs.images[index_of(id)];
+    const Glance glance =
+        glance_of(image.metadata, state_->photographs.sources[index_of(id)].signature);
+    for (const Image& other : state_->photographs.images) {
+        const ImageSource& source = state_->photographs.sources[index_of(other.id)];
         if (source.removed || !is_reduced_copy(glance_of(other.metadata, source.signature), glance,
                                                options_->features.small_copies))
             continue;

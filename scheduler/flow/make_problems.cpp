@@ -53,7 +53,7 @@ Kinds kinds_of(const SessionState& state, const SessionConfig& config,
     Kinds kinds;
     std::set<CameraId> seen;
     for (const ImageId id : images) {
-        const Image& image = state.images[index_of(id)];
+        const Image& image = state.photographs.images[index_of(id)];
         if (!seen.insert(image.camera).second || config.given_cameras.contains(image.name))
             continue;
         const std::string kind = camera_kind(config.camera_sharing, image.metadata);
@@ -75,7 +75,8 @@ std::optional<Camera> most_common_camera(const SessionState& state, CameraSharin
         for (const RegisteredImage& image : shown->model->images) {
             const std::uint32_t count = std::exchange(counts[image.camera], 0);
             if (count <= most ||
-                camera_kind(sharing, state.images[index_of(image.image)].metadata) != kind)
+                camera_kind(sharing, state.photographs.images[index_of(image.image)].metadata) !=
+                    kind)
                 continue;
             most = count;
             best = shown->model->cameras.at(image.camera);
@@ -90,7 +91,7 @@ void calibrate_kinds(const SessionState& state, const SessionConfig& config, con
     for (const auto& [kind, cameras] : kinds) {
         const bool known = std::ranges::any_of(problem.recycled, [&](const auto& model) {
             return std::ranges::any_of(model->images, [&](const RegisteredImage& image) {
-                return cameras.contains(state.images[index_of(image.image)].camera);
+                return cameras.contains(state.photographs.images[index_of(image.image)].camera);
             });
         });
         const auto common =
@@ -127,11 +128,11 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     problem->view_graph = state.view_graph;
     problem->images.reserve(images.size());
     for (const ImageId id : images) {
-        const Image& image = state.images[index_of(id)];
-        problem->images.push_back(
-            {id, image.camera, image.metadata.content_hash, state.keypoints[index_of(id)]});
+        const Image& image = state.photographs.images[index_of(id)];
+        problem->images.push_back({id, image.camera, image.metadata.content_hash,
+                                   state.photographs.keypoints[index_of(id)]});
         if (!problem->cameras.contains(image.camera))
-            problem->cameras.emplace(image.camera, state.cameras.at(image.camera));
+            problem->cameras.emplace(image.camera, state.photographs.cameras.at(image.camera));
     }
     if (config.fix_intrinsics) return problem;
     const Kinds kinds = kinds_of(state, config, images);
@@ -156,8 +157,8 @@ std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const Sess
     problem->anchors = config.anchors;
     const auto is_located = [](const Image& image) { return image.metadata.gps.has_value(); };
     // Orientations alone say nothing.
-    if (std::ranges::any_of(state.images, is_located))
-        problem->evidence = evidence_of(state.images);
+    if (std::ranges::any_of(state.photographs.images, is_located))
+        problem->evidence = evidence_of(state.photographs.images);
     return problem;
 }
 
@@ -166,15 +167,15 @@ std::vector<UnplacedImage> unplaced_images(const SessionState& state, const Sess
     for (const auto& [id, entry] : state.clusters.entries()) {
         if (entry.phase != ClusterPhase::kClean || entry.published.revision == 0) continue;
         for (const ImageId image_id : state.clusters.unplaced_of(entry)) {
-            if (state.clusters.is_adopted(image_id)) continue;
-            const Image& image = state.images[index_of(image_id)];
+            if (state.clusters.hosts().is_adopted(image_id)) continue;
+            const Image& image = state.photographs.images[index_of(image_id)];
             UnplacedImage candidate{image_id,
                                     id,
                                     image.camera,
-                                    state.cameras.at(image.camera),
+                                    state.photographs.cameras.at(image.camera),
                                     config.fix_intrinsics,
                                     config.seed ^ image.metadata.content_hash,
-                                    state.keypoints[index_of(image_id)],
+                                    state.photographs.keypoints[index_of(image_id)],
                                     {}};
             bool elsewhere = false;
             bool has_changed = !is_shown(entry, *state.scene);

@@ -28,8 +28,8 @@ constexpr auto kPoll = 100ms;  // Guard: how soon a stop is noticed
 class SeenPhotos {
   public:
     explicit SeenPhotos(const RestoredSession& restored) {
-        for (const Image& image : restored.state.images) {
-            const ImageSource& source = restored.state.sources[index_of(image.id)];
+        for (const Image& image : restored.state.photographs.images) {
+            const ImageSource& source = restored.state.photographs.sources[index_of(image.id)];
             if (!source.removed)
                 accepted_[image.name] = {source.file.size, source.file.modified_ns};
         }
@@ -153,8 +153,9 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
     FrontEndParts parts{&store, &options, config.seed, {}, extract};
     if (!config.deterministic) parts.independent_vocabulary = execution.independent_vocabulary;
     for (std::uint32_t i = 0; i < state.verified; ++i)
-        parts.committed.push_back({state.images[i], state.cameras.at(state.images[i].camera),
-                                   state.is_removed(static_cast<ImageId>(i))});
+        parts.committed.push_back({state.photographs.images[i],
+                                   state.photographs.cameras.at(state.photographs.images[i].camera),
+                                   state.photographs.is_removed(static_cast<ImageId>(i))});
     Result<std::unique_ptr<FrontEnd>> front_end = Error{};
     arena.execute([&] {
         front_end =
@@ -225,14 +226,15 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     run.interrupted = stop.load();
     run.counts = committer.state().counts;
     // Those that have arrived since the last version wait, too.
-    run.counts.images = committer.state().image_count();
+    run.counts.images = committer.state().photographs.image_count();
     run.counts.waiting = run.counts.images - std::min(run.counts.images, run.counts.placed);
     run.usage = times.usage();
     run.usage.threads = threads;
     run.weak = weak_models(committer.state());
     run.remarks = std::move(restored->remarks);
     for (const auto& [image, reason] : waiting_images(committer.state())) {
-        run.waiting.emplace_back(committer.state().images[index_of(image)].name, reason);
+        run.waiting.emplace_back(committer.state().photographs.images[index_of(image)].name,
+                                 reason);
     }
     return run;
 }

@@ -29,6 +29,24 @@ bool is_shown(const ClusterEntry& entry, const Scene& scene) {
            (*shown)->revision == (entry.published.model ? entry.published.revision : 0);
 }
 
+bool may_rest(const ClusterEntry& entry) {
+    return !entry.published.rests && entry.phase == ClusterPhase::kClean &&
+           has_model(entry.published.model) && entry.published.cameras &&
+           entry.material.models.size() == 1 &&
+           entry.material.models.front().model == entry.published.model && !entry.material.outgrown;
+}
+
+ClusterTable::ClusterTable(std::uint32_t mu_min, std::vector<ClusterEntry> entries,
+                           ImageHosts hosts)
+    : mu_min_(mu_min), hosts_(std::move(hosts)) {
+    for (ClusterEntry& entry : entries) {
+        const bool dirty = entry.published.topology != entry.membership.topology &&
+                           makes_model(entry.membership.members.size());
+        set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
+        entries_.emplace(entry.id, std::move(entry));
+    }
+}
+
 /// Models whose images move together to another cluster, whole: by the cluster they move to.
 std::map<ClusterId, std::vector<RecycledModel>> ClusterTable::moving_models(
     const ClusteringEdit& edit) const {
@@ -82,19 +100,14 @@ std::vector<ClusterChange> ClusterTable::apply(const ClusteringEdit& edit,
         entry.id = changed.id;
         entry.membership.members = changed.members;
         ++entry.membership.topology;
-        for (const ImageId image : changed.members) {
-            if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
-            cluster_of_[index_of(image)] = changed.id;
-        }
+        for (const ImageId image : changed.members) hosts_.belongs_to(image, changed.id);
         make_dirty(entry);
     }
     for (const ClusterId removed : edit.removed) {
-        if (auto entry = entries_.extract(removed))
-            orphans_.emplace(removed, std::move(entry.mapped().membership.guests));
+        entries_.erase(removed);
         unclean_.erase(removed);
     }
     if (find_hosts) find_hosts();
-    orphans_.clear();
 
     std::vector<ClusterChange> changes;
     for (const ClusterMembers& changed : edit.changed) {
@@ -282,13 +295,6 @@ void ClusterTable::learn_cameras(ClusterId cluster,
         found->second.published.cameras = std::move(cameras);
 }
 
-bool ClusterTable::may_rest(const ClusterEntry& entry) {
-    return !entry.published.rests && entry.phase == ClusterPhase::kClean &&
-           has_model(entry.published.model) && entry.published.cameras &&
-           entry.material.models.size() == 1 &&
-           entry.material.models.front().model == entry.published.model && !entry.material.outgrown;
-}
-
 void ClusterTable::rest(ClusterId cluster) {
     ClusterEntry& entry = entries_.at(cluster);
     auto model = std::make_shared<Reconstruction>();
@@ -310,32 +316,10 @@ bool ClusterTable::busy() const {
 
 void ClusterTable::restore_models(ClusterEntry models) {
     ClusterEntry& entry = entries_.at(models.id);
-    models.membership.guests = std::move(entry.membership.guests);
     models.phase = entry.phase;
     entry = std::move(models);
     const bool is_whole = !keep_members(entry);
     if (is_whole && may_rest(entry)) rest(entry.id);
-}
-
-void ClusterTable::restore_host(ImageId guest, ClusterId host) {
-    give_to_host(guest, host);
-}
-
-void ClusterTable::restore_adopted(ImageId guest, ClusterId host) {
-    take_from_host(guest);
-    give_to_host(guest, host);
-    home_of_adopted_[guest] = cluster_of_[index_of(guest)];
-}
-
-void ClusterTable::restore(ClusterEntry entry) {
-    for (const ImageId image : entry.membership.members) {
-        if (index_of(image) >= cluster_of_.size()) cluster_of_.resize(index_of(image) + 1);
-        cluster_of_[index_of(image)] = entry.id;
-    }
-    const bool dirty = entry.published.topology != entry.membership.topology &&
-                       makes_model(entry.membership.members.size());
-    set_phase(entry, dirty ? ClusterPhase::kDirty : ClusterPhase::kClean);
-    entries_[entry.id] = std::move(entry);
 }
 
 }  // namespace psfm

@@ -15,6 +15,7 @@
 #include "graph/clustering_edit.h"
 #include "graph/reconstruction.h"
 #include "graph/scene.h"
+#include "scheduler/session/image_hosts.h"
 #include "stages/clustering/clustering_options.h"
 #include "stages/merge/values/model_cameras.h"
 #include "stages/reconstruction/model/cluster_problem.h"
@@ -34,13 +35,10 @@ struct RecycledModel {
     std::uint32_t arrived = 0;  ///< topology of the cluster when the model came along; 0: its own
 };
 
-/// Which images a cluster has.
+/// Which images belong to a cluster; who else is tried against it, ImageHosts knows.
 struct ClusterMembership {
     std::vector<ImageId> members;  ///< ascending
-    /// Images of other clusters that are tried against this one: their own is below mu_min
-    /// (host_cluster), or could not place them (ClusterTable::adopt). Ascending.
-    std::vector<ImageId> guests;
-    std::uint32_t topology = 0;  ///< counts changes of membership, from 1
+    std::uint32_t topology = 0;    ///< counts changes of membership, from 1
 };
 
 /// What is shown of a cluster.
@@ -88,6 +86,10 @@ struct ClusterEntry {
 /// Whether a version shows a cluster as it is now.
 bool is_shown(const ClusterEntry& entry, const Scene& scene);
 
+/// Whether the store has all that the next solve of a cluster, or a merge, will ask of it: the
+/// cluster is clean, and its material is its published model, which was merged.
+bool may_rest(const ClusterEntry& entry);
+
 /// What happened to reconstructed clusters, for the log.
 struct ClusterChange {
     enum class Kind : std::uint8_t {
@@ -108,6 +110,12 @@ struct ClusterChange {
 class ClusterTable {
   public:
     explicit ClusterTable(std::uint32_t mu_min) : mu_min_(mu_min) {}
+    /// Stored clusters, put back; those are dirty whose solution is not that of their topology.
+    /// Their models follow one by one, with restore_models(), since those that rest do not stay in
+    /// memory.
+    /// @param entries  their phases do not matter
+    /// @param hosts  knows all of their images
+    ClusterTable(std::uint32_t mu_min, std::vector<ClusterEntry> entries, ImageHosts hosts);
 
     /// Whether so many images are enough for a model.
     bool makes_model(std::size_t images) const { return psfm::makes_model(images, mu_min_); }
@@ -136,15 +144,10 @@ class ClusterTable {
     /// Makes an image that the cluster which tries it could not place a guest of another one, which
     /// becomes dirty. REQUIRES: the host is another cluster than of(image), of mu_min images
     void adopt(ImageId image, ClusterId host);
-    bool is_adopted(ImageId image) const { return home_of_adopted_.contains(image); }
     /// Whether an adopted image is to stay where it is when something changed around it: it has its
     /// place there or is being tried, and is still a member of the cluster that it came from.
     bool stays_adopted(ImageId image) const;
-    /// The adopted ones among a cluster's guests, ascending.
-    std::vector<ImageId> adopted_by(const ClusterEntry& entry) const;
-    /// Guests of these clusters, ascending. While apply() looks for hosts, also of those that it
-    /// removes.
-    std::vector<ImageId> guests_of(std::span<const ClusterId> clusters) const;
+    const ImageHosts& hosts() const { return hosts_; }
 
     /// Dirty clusters that no solve is in flight for, ascending. They become kSolving.
     std::vector<const ClusterEntry*> take_dirty();
@@ -172,9 +175,6 @@ class ClusterTable {
     /// What a merge found of a cluster's model; nothing happens where it has another one by now.
     void learn_cameras(ClusterId cluster, const std::shared_ptr<const Reconstruction>& model,
                        ModelCamerasPtr cameras);
-    /// Whether the store has all that the next solve of a cluster, or a merge, will ask of it: the
-    /// cluster is clean, and its material is its published model, which was merged.
-    static bool may_rest(const ClusterEntry& entry);
     /// Leaves the points of a cluster's model to the store. REQUIRES: may_rest
     void rest(ClusterId cluster);
     /// The contrary. @param model  the stored one
@@ -183,25 +183,17 @@ class ClusterTable {
     bool busy() const;  ///< something is dirty or being solved
     const std::map<ClusterId, ClusterEntry>& entries() const { return entries_; }
     /// The cluster that places an image: its host where it is a guest, else its own.
-    const ClusterEntry& of(ImageId image) const;
+    const ClusterEntry& of(ImageId image) const { return entries_.at(hosts_.placing(image)); }
     /// The images that a cluster places: members that are nobody's guests, and its own guests;
     /// ascending.
     std::vector<ImageId> images_of(const ClusterEntry& entry) const;
     /// Those of them that are not in its model.
     std::vector<ImageId> unplaced_of(const ClusterEntry& entry) const;
-    std::size_t image_count() const { return cluster_of_.size(); }
     std::uint32_t coalesced() const { return coalesced_; }
 
-    /// Puts a stored cluster back; dirty when its solution is not that of its topology.
-    void restore(ClusterEntry entry);
-    /// A guest as it was; changes nothing else. REQUIRES: the host was restored
-    void restore_host(ImageId guest, ClusterId host);
-    /// The same of an adopted image, which may have had another host before. REQUIRES: all clusters
-    /// were restored
-    void restore_adopted(ImageId guest, ClusterId host);
     /// Gives a restored cluster its models, and leaves of them what it places; it rests where it
-    /// may. REQUIRES: all hosts were restored, since a model holds the guests of its cluster
-    /// @param entry  with the models, and what belongs to them; its guests and phase do not matter
+    /// may.
+    /// @param entry  with the models, and what belongs to them; its phase does not matter
     void restore_models(ClusterEntry entry);
 
   private:
@@ -211,11 +203,8 @@ class ClusterTable {
     /// Below mu_min nothing is solved, and no later solve starts from what was.
     void become_too_small(ClusterEntry& entry);
     bool keep_members(ClusterEntry& entry) const;
-    std::optional<ClusterId> host_of(ImageId image) const;  ///< of a guest
-    void set_host(ImageId image, std::optional<ClusterId> host);
-    /// @return the host that it had
-    std::optional<ClusterId> take_from_host(ImageId guest);
-    void give_to_host(ImageId guest, ClusterId host);
+    /// The clusters that an image is a member or a guest of may place others by now.
+    void count_placing_changes(ImageId image);
     std::map<ClusterId, std::vector<RecycledModel>> moving_models(const ClusteringEdit& edit) const;
     std::optional<RecycledModel> arriving_part(const RecycledModel& source,
                                                const ClusterEntry& entry) const;
@@ -223,11 +212,7 @@ class ClusterTable {
     std::uint32_t mu_min_;
     std::map<ClusterId, ClusterEntry> entries_;
     std::set<ClusterId> unclean_;  // those of entries_ whose phase is not kClean
-    std::vector<ClusterId> cluster_of_;
-    std::vector<std::optional<ClusterId>> host_of_;  // by image; those of guests
-    /// Guests of clusters that the edit in progress removes.
-    std::map<ClusterId, std::vector<ImageId>> orphans_;
-    std::map<ImageId, ClusterId> home_of_adopted_;  // their own cluster when they were adopted
+    ImageHosts hosts_;
     std::uint32_t coalesced_ = 0;
 };
 

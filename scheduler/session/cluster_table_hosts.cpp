@@ -17,51 +17,30 @@ void ClusterTable::edges_changed(std::span<const ImageId> images) {
     }
 }
 
-std::optional<ClusterId> ClusterTable::host_of(ImageId image) const {
-    return index_of(image) < host_of_.size() ? host_of_[index_of(image)] : std::nullopt;
-}
-
-void ClusterTable::set_host(ImageId image, std::optional<ClusterId> host) {
-    if (index_of(image) >= host_of_.size()) host_of_.resize(index_of(image) + 1);
-    std::optional<ClusterId>& known = host_of_[index_of(image)];
-    const std::optional<ClusterId> own = index_of(image) < cluster_of_.size()
-                                             ? std::optional(cluster_of_[index_of(image)])
-                                             : std::nullopt;
-    for (const std::optional<ClusterId>& id : {known, host, own}) {
-        const auto entry = id ? entries_.find(*id) : entries_.end();
+void ClusterTable::count_placing_changes(ImageId image) {
+    std::set<ClusterId> clusters{hosts_.own(image)};
+    if (const auto host = hosts_.host(image)) clusters.insert(*host);
+    for (const ClusterId id : clusters) {
+        const auto entry = entries_.find(id);
         if (entry != entries_.end()) ++entry->second.published.placing_changes;
     }
-    known = host;
-}
-
-std::optional<ClusterId> ClusterTable::take_from_host(ImageId guest) {
-    const std::optional<ClusterId> host = host_of(guest);
-    if (!host) return std::nullopt;
-    set_host(guest, std::nullopt);
-    if (const auto left = entries_.find(*host); left != entries_.end())
-        std::erase(left->second.membership.guests, guest);
-    return host;
-}
-
-void ClusterTable::give_to_host(ImageId guest, ClusterId host) {
-    set_host(guest, host);
-    std::vector<ImageId>& guests = entries_.at(host).membership.guests;
-    guests.insert(std::ranges::lower_bound(guests, guest), guest);
 }
 
 std::vector<ClusterId> ClusterTable::set_hosts(
     std::span<const std::pair<ImageId, std::optional<ClusterId>>> hosts) {
     std::set<ClusterId> changed;
     for (const auto& [image, host] : hosts) {
-        const bool was_adopted = home_of_adopted_.erase(image) > 0;
-        if (host_of(image) == host && !was_adopted) continue;
-        if (const auto left = take_from_host(image); left && entries_.contains(*left))
-            changed.insert(*left);
+        const bool was_adopted = hosts_.is_adopted(image);
+        const std::optional<ClusterId> left = hosts_.host(image);
+        if (left == host && !was_adopted) continue;
+        count_placing_changes(image);
+        hosts_.set_host(image, host);
+        count_placing_changes(image);
+        if (left && entries_.contains(*left)) changed.insert(*left);
         if (host) {
-            give_to_host(image, *host);
             changed.insert(*host);
         } else if (was_adopted) {
-            changed.insert(cluster_of_[index_of(image)]);
+            changed.insert(hosts_.own(image));
         }
     }
     std::vector<ClusterId> dirty(changed.begin(), changed.end());
@@ -70,17 +49,15 @@ std::vector<ClusterId> ClusterTable::set_hosts(
 }
 
 void ClusterTable::adopt(ImageId image, ClusterId host) {
-    take_from_host(image);
-    give_to_host(image, host);
-    home_of_adopted_[image] = cluster_of_[index_of(image)];
+    count_placing_changes(image);
+    hosts_.adopt(image, host);
+    count_placing_changes(image);
     make_dirty(std::span(&host, 1));
 }
 
 bool ClusterTable::stays_adopted(ImageId image) const {
-    const auto home = home_of_adopted_.find(image);
-    if (home == home_of_adopted_.end() || cluster_of_[index_of(image)] != home->second)
-        return false;
-    const auto host = entries_.find(*host_of(image));
+    if (!hosts_.is_at_home(image)) return false;
+    const auto host = entries_.find(hosts_.placing(image));
     if (host == entries_.end() || !makes_model(host->second.membership.members.size()))
         return false;
     const ClusterEntry& entry = host->second;
@@ -88,37 +65,12 @@ bool ClusterTable::stays_adopted(ImageId image) const {
     return is_placed || entry.phase != ClusterPhase::kClean;
 }
 
-std::vector<ImageId> ClusterTable::adopted_by(const ClusterEntry& entry) const {
-    std::vector<ImageId> adopted;
-    std::ranges::copy_if(entry.membership.guests, std::back_inserter(adopted),
-                         [&](ImageId image) { return is_adopted(image); });
-    return adopted;
-}
-
-std::vector<ImageId> ClusterTable::guests_of(std::span<const ClusterId> clusters) const {
-    std::vector<ImageId> guests;
-    for (const ClusterId id : clusters) {
-        const auto entry = entries_.find(id);
-        const auto orphans = orphans_.find(id);
-        if (entry != entries_.end())
-            std::ranges::copy(entry->second.membership.guests, std::back_inserter(guests));
-        if (orphans != orphans_.end())
-            std::ranges::copy(orphans->second, std::back_inserter(guests));
-    }
-    std::ranges::sort(guests);
-    return guests;
-}
-
-const ClusterEntry& ClusterTable::of(ImageId image) const {
-    return entries_.at(host_of(image).value_or(cluster_of_[index_of(image)]));
-}
-
 std::vector<ImageId> ClusterTable::images_of(const ClusterEntry& entry) const {
     std::vector<ImageId> images;
     std::ranges::copy_if(entry.membership.members, std::back_inserter(images),
-                         [&](ImageId image) { return !host_of(image); });
+                         [&](ImageId image) { return !hosts_.host(image); });
     const auto members = static_cast<std::ptrdiff_t>(images.size());
-    images.insert(images.end(), entry.membership.guests.begin(), entry.membership.guests.end());
+    std::ranges::copy(hosts_.guests_of(entry.id), std::back_inserter(images));
     std::inplace_merge(images.begin(), images.begin() + members, images.end());
     return images;
 }

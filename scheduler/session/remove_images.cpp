@@ -70,7 +70,7 @@ std::vector<ImageId> changed_images(const ViewGraph& before, const ViewGraph& af
 
 /// Whether removed images take part in a cluster: as members, guests, or in what it has been or
 /// will be solved from.
-bool rests_on(const ClusterEntry& entry, const Images& removed) {
+bool rests_on(const ClusterEntry& entry, std::span<const ImageId> guests, const Images& removed) {
     const auto is_removed = [&](ImageId image) { return removed.contains(image); };
     const auto holds = [&](const std::shared_ptr<const Reconstruction>& model) {
         return model && std::ranges::any_of(model->images, [&](const RegisteredImage& image) {
@@ -78,8 +78,7 @@ bool rests_on(const ClusterEntry& entry, const Images& removed) {
                });
     };
     return std::ranges::any_of(entry.membership.members, is_removed) ||
-           std::ranges::any_of(entry.membership.guests, is_removed) ||
-           holds(entry.published.model) ||
+           std::ranges::any_of(guests, is_removed) || holds(entry.published.model) ||
            std::ranges::any_of(entry.material.models,
                                [&](const RecycledModel& m) { return holds(m.model); });
 }
@@ -95,7 +94,7 @@ Result<Reclustering> recluster(SessionState& state, const GraphWithout& without,
                                const std::vector<StoredCluster>& stored) {
     std::set<ClusterId> gone;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        if (rests_on(entry, removed)) gone.insert(id);
+        if (rests_on(entry, state.clusters.hosts().guests_of(id), removed)) gone.insert(id);
     }
     const std::vector<ClusterId> cluster_before = state.clustering.cluster_of;
     const ClusteringEdit edit =
@@ -198,7 +197,8 @@ Result<Removal> remove_images(SessionStore& store, const SessionConfig& config,
     removal.edit = std::move(clusters->edit);
     removal.pairs = without->shortened;
     for (const ImageId id : removed) {
-        SourcedImage image{state.images[index_of(id)], state.sources[index_of(id)]};
+        SourcedImage image{state.photographs.images[index_of(id)],
+                           state.photographs.sources[index_of(id)]};
         const ImageFile& file = image.source.file;
         if (keep_out) {
             removal.rejected.push_back({image.image.name, removal_reason(image.image.name),

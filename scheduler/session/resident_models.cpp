@@ -37,8 +37,7 @@ void ResidentModels::release(ClusterTable& table) {
         if (!entry.published.model) continue;
         bytes += entry.published.model->points.bytes();
         const std::uint64_t used = used_[id];
-        if (used + kUsesKept <= uses_ && ClusterTable::may_rest(entry))
-            oldest.emplace_back(used, id);
+        if (used + kUsesKept <= uses_ && may_rest(entry)) oldest.emplace_back(used, id);
     }
     std::erase_if(used_, [&](const auto& use) { return !table.entries().contains(use.first); });
     std::ranges::sort(oldest);

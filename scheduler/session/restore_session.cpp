@@ -25,41 +25,43 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     if (!verified.ok()) return verified.error();
     auto sources = store.image_sources();
     if (!sources.ok()) return sources.error();
-    state.images = *std::move(images);
-    state.sources = *std::move(sources);
-    state.cameras = *std::move(cameras);
+    state.photographs.images = *std::move(images);
+    state.photographs.sources = *std::move(sources);
+    state.photographs.cameras = *std::move(cameras);
     restored.rejected = *std::move(rejected);
-    for (const RejectedPhoto& photo : restored.rejected) state.rejected.insert(photo.name);
+    for (const RejectedPhoto& photo : restored.rejected)
+        state.photographs.rejected.insert(photo.name);
     state.verified = *verified;
-    for (const Image& image : state.images) {
+    for (const Image& image : state.photographs.images) {
         std::shared_ptr<const Keypoints> keypoints;
         if (index_of(image.id) >= state.verified) {
             auto read = store.keypoints(image.id);
             if (!read.ok()) return read.error();
             keypoints = *std::move(read);
         }
-        state.keypoints.push_back(std::move(keypoints));
-        if (state.is_removed(image.id)) {
-            state.removed_content.insert(image.metadata.content_hash);
+        state.photographs.keypoints.push_back(std::move(keypoints));
+        if (state.photographs.is_removed(image.id)) {
+            state.photographs.removed_content.insert(image.metadata.content_hash);
             continue;
         }
-        state.image_of_content.emplace(image.metadata.content_hash, image.id);
-        state.names.insert(image.name);
+        state.photographs.image_of_content.emplace(image.metadata.content_hash, image.id);
+        state.photographs.names.insert(image.name);
         // A camera given since then is that of later images only.
         const auto given = config.given_cameras.find(image.name);
         const bool was_given = given != config.given_cameras.end() &&
-                               given->second.camera == state.cameras.at(image.camera);
+                               given->second.camera == state.photographs.cameras.at(image.camera);
         const std::string key = was_given
                                     ? "given:" + given->second.key
                                     : camera_key(config.camera_sharing, image.metadata, image.name);
-        state.camera_of_key.emplace(key, image.camera);
+        state.photographs.camera_of_key.emplace(key, image.camera);
     }
-    for (std::size_t i = state.verified; i < state.images.size(); ++i) {
+    for (std::size_t i = state.verified; i < state.photographs.images.size(); ++i) {
         auto descriptors = store.descriptors(static_cast<ImageId>(i));
         if (!descriptors.ok()) return descriptors.error();
-        const Image& image = state.images[i];
-        restored.unverified.push_back(std::make_shared<const AcceptedImage>(AcceptedImage{
-            image, state.cameras.at(image.camera), state.keypoints[i], *std::move(descriptors)}));
+        const Image& image = state.photographs.images[i];
+        restored.unverified.push_back(std::make_shared<const AcceptedImage>(
+            AcceptedImage{image, state.photographs.cameras.at(image.camera),
+                          state.photographs.keypoints[i], *std::move(descriptors)}));
     }
     return {};
 }
@@ -146,9 +148,12 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     const auto clusters = store.clusters();
     if (!clusters.ok()) return clusters.error();
     std::vector<ClusterMembers> members;
+    std::vector<ClusterEntry> entries;
+    ImageHosts hosts;
     for (const StoredCluster& stored : *clusters) {
         members.push_back({stored.id, stored.members});
-        state.clusters.restore(without_models(stored));
+        entries.push_back(without_models(stored));
+        for (const ImageId image : stored.members) hosts.belongs_to(image, stored.id);
     }
     const auto next = store.next_cluster_id();
     if (!next.ok()) return next.error();
@@ -157,13 +162,14 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
     state.clustering = *std::move(clustering);
     for (std::uint32_t i = 0; i < state.verified; ++i) {
         const auto image = static_cast<ImageId>(i);
-        const auto host =
-            host_cluster(state.view_graph, state.clustering, image, options.solve.policy.mu_min);
-        if (host) state.clusters.restore_host(image, *host);
+        hosts.set_host(image, host_cluster(state.view_graph, state.clustering, image,
+                                           options.solve.policy.mu_min));
     }
     for (const StoredCluster& stored : *clusters) {
-        for (const ImageId image : stored.adopted) state.clusters.restore_adopted(image, stored.id);
+        for (const ImageId image : stored.adopted) hosts.adopt(image, stored.id);
     }
+    state.clusters =
+        ClusterTable(options.solve.policy.mu_min, std::move(entries), std::move(hosts));
     // One model after the other: those of clusters that rest do not stay in memory.
     for (const StoredCluster& stored : *clusters) {
         ClusterEntry models = without_models(stored);

@@ -39,10 +39,8 @@ struct PendingImage {
     bool admitted = true;  ///< holds an image token, until it is published at the latest
 };
 
-/// Everything that a session knows while it runs. Not thread-safe: owned by the commit node.
-struct SessionState {
-    explicit SessionState(std::uint32_t mu_min) : clusters(mu_min) {}
-
+/// The photographs that a session has taken in, and how another one is told from them.
+struct TakenPhotographs {
     std::vector<Image> images;                                    ///< by id
     std::vector<ImageSource> sources;                             ///< by id
     ResidentKeypoints keypoints;                                  ///< by id
@@ -60,6 +58,13 @@ struct SessionState {
         const auto removed = std::ranges::count_if(sources, &ImageSource::removed);
         return static_cast<std::uint32_t>(images.size()) - static_cast<std::uint32_t>(removed);
     }
+};
+
+/// Everything that a session knows while it runs. Not thread-safe: owned by the commit node.
+struct SessionState {
+    explicit SessionState(std::uint32_t mu_min) : clusters(mu_min) {}
+
+    TakenPhotographs photographs;
     std::uint32_t verified = 0;  ///< images 0 … verified-1 are nodes of the view graph
     ViewGraph view_graph;
     EdgeSelection edges;  ///< which pairs the view graph holds

@@ -55,7 +55,8 @@ bool has_a_look_alike(const SessionState& state, const std::vector<ImageId>& mem
         if (!is_kept_apart(state, image)) return false;
         return std::ranges::any_of(state.edges.apart[index_of(image)], [&](ImageId other) {
             const auto found = parts.find(state.clustering.cluster_of[index_of(other)]);
-            return !state.is_removed(other) && (found == parts.end() || found->second != part);
+            return !state.photographs.is_removed(other) &&
+                   (found == parts.end() || found->second != part);
         });
     });
 }
@@ -90,7 +91,7 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
                 of_cluster.add(state.view_graph, image);
         }
         for (const ImageId image : state.clusters.unplaced_of(entry)) {
-            if (state.is_removed(image)) continue;
+            if (state.photographs.is_removed(image)) continue;
             WaitReason reason = WaitReason::kSolving;
             if (state.view_graph.edges(image).empty()) {
                 reason = is_kept_apart(state, image) ? WaitReason::kLookAlikes
@@ -106,9 +107,9 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
             waiting.emplace_back(image, reason);
         }
     }
-    for (std::uint32_t image = state.verified; image < state.images.size(); ++image) {
+    for (std::uint32_t image = state.verified; image < state.photographs.images.size(); ++image) {
         const auto id = static_cast<ImageId>(image);
-        if (!state.is_removed(id)) waiting.emplace_back(id, WaitReason::kSolving);
+        if (!state.photographs.is_removed(id)) waiting.emplace_back(id, WaitReason::kSolving);
     }
     std::ranges::sort(waiting);
     return waiting;

@@ -18,8 +18,8 @@ namespace {
 class Keeper : public ::testing::Test {
   protected:
     Keeper() {
-        state_.images.resize(kImages);
-        state_.sources.resize(kImages);
+        state_.photographs.images.resize(kImages);
+        state_.photographs.sources.resize(kImages);
         while (next_ + 1 < kImages) add_image();
     }
 

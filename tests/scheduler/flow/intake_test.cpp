@@ -53,17 +53,17 @@ class IntakeTest : public ::testing::Test {
 
 TEST_F(IntakeTest, ANewPhotographIsAnImageThatIsStoredAndWaitsForItsPairs) {
     EXPECT_TRUE(take(message_of("a.jpg", 1)));
-    ASSERT_EQ(state_.images.size(), 1U);
+    ASSERT_EQ(state_.photographs.images.size(), 1U);
     EXPECT_EQ(store_->images()->size(), 1U);
     EXPECT_EQ(state_.pending.size(), 1U);
     EXPECT_EQ(outbox_.images_released, 0U) << "its token is held until a version shows it";
-    EXPECT_NEAR(state_.cameras.at(CameraId{0}).fx(), 1.2 * 640, 1e-9);
+    EXPECT_NEAR(state_.photographs.cameras.at(CameraId{0}).fx(), 1.2 * 640, 1e-9);
 }
 
 TEST_F(IntakeTest, TheGuessOfAFocalLengthIsAnOption) {
     options_.features.unknown_focal = 0.7;
     EXPECT_TRUE(take(message_of("a.jpg", 1)));
-    EXPECT_NEAR(state_.cameras.at(CameraId{0}).fx(), 0.7 * 640, 1e-9);
+    EXPECT_NEAR(state_.photographs.cameras.at(CameraId{0}).fx(), 0.7 * 640, 1e-9);
 }
 
 TEST_F(IntakeTest, ACopyIsRejectedWithAReason) {
@@ -80,7 +80,7 @@ TEST_F(IntakeTest, AKnownNameIsPassedOverAndAnotherPhotographOfItToldOf) {
     EXPECT_EQ(told(), "");
     EXPECT_FALSE(take(message_of("a.jpg", 2)));
     EXPECT_NE(told().find("another photograph"), std::string::npos) << told();
-    EXPECT_EQ(state_.images.size(), 1U);
+    EXPECT_EQ(state_.photographs.images.size(), 1U);
 }
 
 TEST_F(IntakeTest, WhatIsRefusedByTheSystemIsAskedForAgain) {

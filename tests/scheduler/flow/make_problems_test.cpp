@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
+#include <vector>
+
+#include "tests/scheduler/session/made_up_clusters.h"
 
 namespace psfm {
 namespace {
@@ -36,6 +40,20 @@ ClusterEntry cluster_of(std::uint32_t id, std::uint32_t first, std::uint32_t las
     return entry;
 }
 
+/// Makes these the clusters of a state; nobody is a guest but who is adopted.
+void put_clusters(SessionState& state, const std::vector<ClusterEntry>& clusters,
+                  const std::map<ImageId, ClusterId>& adopted = {}) {
+    ImageHosts hosts = test::hosts_of(clusters);
+    for (const auto& [image, host] : adopted) hosts.adopt(image, host);
+    state.clusters = ClusterTable(5, clusters, std::move(hosts));
+}
+
+std::vector<ClusterEntry> clusters_of(const SessionState& state) {
+    std::vector<ClusterEntry> clusters;
+    for (const auto& [id, entry] : state.clusters.entries()) clusters.push_back(entry);
+    return clusters;
+}
+
 SessionState state_of(const std::vector<ClusterEntry>& clusters) {
     SessionState state(5);
     std::uint32_t images = 0;
@@ -46,17 +64,17 @@ SessionState state_of(const std::vector<ClusterEntry>& clusters) {
         shown->model = entry.published.model;
         scene->clusters.push_back(std::move(shown));
         images += static_cast<std::uint32_t>(entry.membership.members.size());
-        state.clusters.restore(entry);
     }
+    put_clusters(state, clusters);
     for (std::uint32_t i = 0; i < images; ++i) {
         Image image;
         image.id = ImageId{i};
         image.camera = CameraId{0};
-        state.images.push_back(image);
-        state.keypoints.push_back(std::make_shared<const Keypoints>());
+        state.photographs.images.push_back(image);
+        state.photographs.keypoints.push_back(std::make_shared<const Keypoints>());
         state.view_graph.add_node();
     }
-    state.cameras[CameraId{0}] = with_focal(kExifFocal);
+    state.photographs.cameras[CameraId{0}] = with_focal(kExifFocal);
     state.scene = std::move(scene);
     return state;
 }
@@ -123,7 +141,7 @@ TEST(UnplacedImages, AreThoseThatAnotherClusterMayKnow) {
 
 TEST(UnplacedImages, AreNotTriedAgainOnceAdopted) {
     SessionState state = state_with_stray();
-    state.clusters.restore_adopted(ImageId{6}, ClusterId{1});
+    put_clusters(state, clusters_of(state), {{ImageId{6}, ClusterId{1}}});
     // Its host has not placed it yet, or never will: no third one is asked meanwhile.
     EXPECT_TRUE(unplaced_images(state, {}).empty());
 }
@@ -147,15 +165,17 @@ TEST(UnplacedImages, AreTriedAgainWhenWhatTheySeeWasSolvedAgain) {
     EXPECT_TRUE(unplaced_images(state, {}).empty());
     for (const std::uint32_t solved : {0U, 1U}) {
         publish(state);
-        ClusterEntry again = state.clusters.entries().at(ClusterId{solved});
-        ++again.published.revision;
-        state.clusters.restore(again);
+        std::vector<ClusterEntry> clusters = clusters_of(state);
+        ++clusters[solved].published.revision;
+        put_clusters(state, clusters);
         EXPECT_EQ(unplaced_images(state, {}).size(), 1U) << "cluster " << solved;
     }
     publish(state);
     ClusterEntry third = cluster_of(2, 13, 19, kTrueFocal);
     third.published.revision = 1;
-    state.clusters.restore(third);
+    std::vector<ClusterEntry> clusters = clusters_of(state);
+    clusters.push_back(third);
+    put_clusters(state, clusters);
     EXPECT_TRUE(unplaced_images(state, {}).empty()) << "it sees nothing of that";
 }
 

@@ -170,7 +170,8 @@ bool SerialSession::run(std::vector<CommitInput> messages, std::size_t at_most) 
 
 bool SerialSession::add_image(std::size_t messages) {
     const std::uint64_t sequence = photos_++;
-    return run({extracted(*scene_, committer_->state().images.size(), sequence)}, messages);
+    return run({extracted(*scene_, committer_->state().photographs.images.size(), sequence)},
+               messages);
 }
 
 void SerialSession::idle() {

@@ -339,32 +339,29 @@ TEST(ClusterTable, ResultsOfRemovedClustersAreDropped) {
 }
 
 TEST(ClusterTable, RestoresDirtyAndCleanClusters) {
-    ClusterTable table(kMuMin);
     ClusterEntry clean;
     clean.id = cluster(0);
     clean.membership.members = images({0, 1, 2});
     clean.membership.topology = clean.published.topology = 4;
-    table.restore(clean);
     ClusterEntry dirty = clean;
     dirty.id = cluster(1);
     dirty.membership.members = images({3, 4, 5});
     dirty.membership.topology = 5;
-    table.restore(dirty);
+    ClusterTable table(kMuMin, {clean, dirty}, hosts_of({clean, dirty}));
     const auto taken = table.take_dirty();
     ASSERT_EQ(taken.size(), 1U);
     EXPECT_EQ(taken.front()->id, cluster(1));
-    EXPECT_EQ(table.image_count(), 6U);
+    EXPECT_EQ(table.hosts().image_count(), 6U);
 }
 
 TEST(ClusterTable, CleanClustersRestWhenTheyAreRestored) {
     for (const bool is_dirty : {false, true}) {
-        ClusterTable table(kMuMin);
         ClusterEntry entry;
         entry.id = cluster(0);
-        entry.membership = {.members = images({0, 1, 2}), .guests = {}, .topology = 4};
+        entry.membership = {.members = images({0, 1, 2}), .topology = 4};
         entry.published.topology = is_dirty ? 3 : 4;
         entry.published.revision = 1;
-        table.restore(entry);
+        ClusterTable table(kMuMin, {entry}, hosts_of({entry}));
         entry.published.model = solve_of(entry, entry.membership.members).solution.model;
         entry.material.models = {{entry.id, entry.published.revision, entry.published.model}};
         entry.published.cameras = std::make_shared<const ModelCameras>();
@@ -382,12 +379,12 @@ TEST(ClusterTable, WhatAMergeFoundIsOfTheModelThatItHad) {
     const ClusterEntry& entry = table.entries().at(cluster(0));
     const auto merged = entry.published.model;
     const auto cameras = std::make_shared<const ModelCameras>();
-    EXPECT_FALSE(ClusterTable::may_rest(entry)) << "not merged yet";
+    EXPECT_FALSE(may_rest(entry)) << "not merged yet";
     table.learn_cameras(cluster(0), merged, cameras);
     EXPECT_EQ(entry.published.cameras, cameras);
-    EXPECT_TRUE(ClusterTable::may_rest(entry));
+    EXPECT_TRUE(may_rest(entry));
     table.apply(members(0, {0, 1, 2, 3}));
-    EXPECT_FALSE(ClusterTable::may_rest(entry));
+    EXPECT_FALSE(may_rest(entry));
     solve_dirty(table);
     EXPECT_EQ(entry.published.cameras, nullptr);
     table.learn_cameras(cluster(0), merged, cameras);

@@ -59,7 +59,9 @@ class Session {
         edit.changed.push_back({to, members_[to]});
         edit.removed.push_back(gone);
         table_.apply(edit, [&] {
-            for (const ImageId guest : table_.guests_of(edit.removed)) host(guest, std::nullopt);
+            const auto guests = table_.hosts().guests_of(gone);
+            for (const ImageId guest : std::vector(guests.begin(), guests.end()))
+                host(guest, std::nullopt);
         });
     }
 

@@ -58,7 +58,6 @@ TEST(Guests, ASplitModelKeepsWhatBecomesItsGuest) {
 }
 
 TEST(Guests, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
-    ClusterTable table(kMuMin);
     ClusterEntry host;
     host.id = cluster(0);
     host.membership.members = images({0, 1, 2});
@@ -67,18 +66,17 @@ TEST(Guests, ARestoredModelKeepsItsGuestsAndLosesStrangers) {
     const auto model = solve_of(host, images({0, 1, 2, 3})).solution.model;
     host.published.model = model;
     host.material.models = {{host.id, host.published.revision, model}};
-    table.restore(host);
     ClusterEntry small;
     small.id = cluster(1);
     small.membership.members = images({3});
-    table.restore(small);
-    table.restore_host(image(3), cluster(0));
     ClusterEntry other = host;
     other.id = cluster(2);
     other.membership.members = images({4, 5, 6});
     other.published.model = solve_of(other, images({4, 5, 6, 7})).solution.model;
     other.material.models = {{other.id, other.published.revision, other.published.model}};
-    table.restore(other);
+    ImageHosts hosts = hosts_of({host, small, other});
+    hosts.set_host(image(3), cluster(0));
+    ClusterTable table(kMuMin, {host, small, other}, hosts);
     for (const ClusterEntry& entry : {host, other}) table.restore_models(entry);
     EXPECT_EQ(table.entries().at(cluster(0)).published.model, model);
     EXPECT_EQ(material_of(table.entries().at(cluster(0))), Models{images({0, 1, 2, 3})});
@@ -104,12 +102,12 @@ ClusterTable table_with_stray() {
 
 TEST(AdoptedImages, ArePlacedByTheirHostAndStay) {
     ClusterTable table = table_with_stray();
-    EXPECT_FALSE(table.is_adopted(image(2)));
+    EXPECT_FALSE(table.hosts().is_adopted(image(2)));
     table.adopt(image(2), cluster(1));
-    EXPECT_TRUE(table.is_adopted(image(2)));
+    EXPECT_TRUE(table.hosts().is_adopted(image(2)));
     EXPECT_TRUE(table.stays_adopted(image(2))) << "it is being tried";
     EXPECT_EQ(table.of(image(2)).id, cluster(1));
-    EXPECT_EQ(table.adopted_by(table.entries().at(cluster(1))), images({2}));
+    EXPECT_EQ(table.hosts().adopted_by(cluster(1)), images({2}));
     const auto dirty = table.take_dirty();
     ASSERT_EQ(dirty.size(), 1U) << "nothing changed for its own cluster";
     EXPECT_EQ(dirty.front()->id, cluster(1));
@@ -131,8 +129,8 @@ TEST(AdoptedImages, ThatTheHostCannotPlaceGoHomeWhenSomethingChanges) {
               (std::vector{cluster(0), cluster(1)}))
         << "its own cluster tries it again";
     EXPECT_EQ(table.of(image(2)).id, cluster(0));
-    EXPECT_FALSE(table.is_adopted(image(2)));
-    EXPECT_TRUE(table.adopted_by(table.entries().at(cluster(1))).empty());
+    EXPECT_FALSE(table.hosts().is_adopted(image(2)));
+    EXPECT_TRUE(table.hosts().adopted_by(cluster(1)).empty());
 }
 
 TEST(AdoptedImages, LeaveWhenTheyMoveOrTheirHostIsGone) {
@@ -153,12 +151,14 @@ TEST(AdoptedImages, LeaveWhenTheyMoveOrTheirHostIsGone) {
 
 TEST(AdoptedImages, AreRestored) {
     const ClusterTable before = table_with_stray();
-    ClusterTable table(kMuMin);
-    for (const auto& [id, entry] : before.entries()) table.restore(entry);
-    table.restore_host(image(2), cluster(0));
-    table.restore_adopted(image(2), cluster(1));
+    std::vector<ClusterEntry> entries;
+    for (const auto& [id, entry] : before.entries()) entries.push_back(entry);
+    ImageHosts hosts = hosts_of(entries);
+    hosts.set_host(image(2), cluster(0));
+    hosts.adopt(image(2), cluster(1));
+    ClusterTable table(kMuMin, entries, hosts);
     for (const auto& [id, entry] : before.entries()) table.restore_models(entry);
-    EXPECT_TRUE(table.is_adopted(image(2)));
+    EXPECT_TRUE(table.hosts().is_adopted(image(2)));
     EXPECT_EQ(table.images_of(table.entries().at(cluster(1))), images({2, 4, 5, 6}));
     EXPECT_EQ(table.images_of(table.entries().at(cluster(0))), images({0, 1, 3}));
     EXPECT_FALSE(table.busy());

@@ -50,6 +50,15 @@ inline Solve solve_of(const ClusterEntry& entry, const std::vector<ImageId>& pla
     return solve;
 }
 
+/// Who is a member of which of the clusters; nobody is a guest.
+inline ImageHosts hosts_of(const std::vector<ClusterEntry>& entries) {
+    ImageHosts hosts;
+    for (const ClusterEntry& entry : entries) {
+        for (const ImageId id : entry.membership.members) hosts.belongs_to(id, entry.id);
+    }
+    return hosts;
+}
+
 inline std::vector<ImageId> images_in(const Reconstruction& model) {
     std::vector<ImageId> images;
     for (const RegisteredImage& placed : model.images) images.push_back(placed.image);

@@ -122,7 +122,7 @@ TEST(KeypointsOfASession, LeaveMemoryAndChangeNothing) {
                               {.idle_bytes = budget});
         for (std::uint32_t i = 0; i < TwoWalls::kFirst + TwoWalls::kBetween; ++i)
             ASSERT_TRUE(session.add_image());
-        EXPECT_EQ(session.state().keypoints[0] == nullptr, budget == 0);
+        EXPECT_EQ(session.state().photographs.keypoints[0] == nullptr, budget == 0);
         ASSERT_TRUE(session.add_image());
         ASSERT_TRUE(session.add_image());
         session.end();

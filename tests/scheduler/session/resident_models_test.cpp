@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/scheduler/flow/serial_session.h"
+#include "tests/scheduler/session/made_up_clusters.h"
 #include "tests/storage/test_session.h"
 #include "tests/synthetic/verified_pairs.h"
 
@@ -34,9 +35,12 @@ class ResidentModelsTest : public ::testing::Test {
         entry.published.model = solution.model;
         entry.published.cameras = std::make_shared<const ModelCameras>();
         entry.material.models = {{kCluster, entry.published.revision, entry.published.model}};
-        table_.restore(std::move(entry));
+        restore(entry);
         models_.set_budget(0);
         EXPECT_TRUE(use().ok());
+    }
+    void restore(const ClusterEntry& entry) {
+        table_ = ClusterTable(2, {entry}, test::hosts_of({entry}));
     }
     const ClusterEntry& entry() const { return table_.entries().at(kCluster); }
     Result<void> use() { return models_.use(std::span(&kCluster, 1), table_, *store_); }
@@ -96,7 +100,7 @@ TEST_F(ResidentModelsTest, KeepsWhatTheStoreMayNotHave) {
 TEST_F(ResidentModelsTest, SaysWhatIsNotInTheStore) {
     ClusterEntry newer = entry();
     ++newer.published.revision;
-    table_.restore(newer);
+    restore(newer);
     let_uses_pass(ResidentModels::kUsesKept);
     models_.release(table_);
     ASSERT_TRUE(entry().published.rests);
