@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 the psfm authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""tools/ci/check-sizes finds where what is done depends on how many images there are, and refuses too many of them."""
+"""tools/ci/check-sizes finds where counts are compared with settings, and refuses too many of them that are sizes."""
 import subprocess
 import sys
 import tempfile
@@ -12,6 +12,8 @@ CHECK = Path(__file__).parents[2] / "tools/ci/check-sizes"
 OPTIONS = """struct GrowthOptions {
     std::uint32_t adjust_up_to = 10;
     std::uint32_t min_inliers = 15;
+    std::uint32_t samples = 9;
+    std::uint32_t strange_count = 9;
     double max_error_px = 2.0;
 };
 """
@@ -34,10 +36,21 @@ class CheckSizes(unittest.TestCase):
     def test_a_comparison_with_a_size_is_found_either_way_round(self):
         self.assertEqual(len(self.places("if (model.size() <= options.adjust_up_to) return;\n")), 1)
         self.assertEqual(len(self.places("if (options.adjust_up_to < images) return;\n")), 1)
-        self.assertIn("stages/growth_0.cpp:2: ", self.places("\nif (images > options.adjust_up_to)\n")[0])
+        self.assertIn("size: stages/growth_0.cpp:2: ", self.places("\nif (images > options.adjust_up_to)\n")[0])
+
+    def test_evidence_and_bounds_are_told_from_sizes(self):
+        for body, kind in (("if (inliers < options.min_inliers) return;\n", "evidence"),
+                           ("if (found.size() >= min_inliers_) return;\n", "evidence"),
+                           ("while (tried < options.samples) try_one();\n", "bound")):
+            self.assertTrue(self.places(body)[0].startswith(kind + ": "), body)
+
+    def test_a_setting_of_no_kind_is_refused(self):
+        code, lines = self.run_check("if (found > options.strange_count) return;\n")
+        self.assertEqual(code, 1, lines)
+        self.assertTrue(lines[0].startswith("of no kind"), lines)
 
     def test_other_settings_checks_of_settings_and_comments_are_not(self):
-        for body in ("if (inliers < options.min_inliers) return;\n", "if (error > options.max_error_px) return;\n",
+        for body in ("if (error > options.max_error_px) return;\n", "for (int k = 0; k < samples; ++k) f();\n",
                      "if (options.adjust_up_to < 2) return invalid();\n", "// images > options.adjust_up_to\n"):
             self.assertEqual(self.places(body), [], body)
 
