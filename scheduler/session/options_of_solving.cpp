@@ -226,9 +226,11 @@ constexpr auto kSolvingOptions = std::to_array<NamedOption>({
     PSFM_OPTION(solve.ties.excused_px, 0, 1000, "error that no camera is blamed for [px]", "ours, on noexif-nadir; docs/notebook, noise"),
     PSFM_OPTION(solve.ties.max_iterations, 1, 1e6, "iterations of the adjustments that this takes", "ours; not tuned"),
     PSFM_OPTION(solve.ties.max_step, 1e-6, 10, "gap of focal lengths at which cameras are parted", "ours: a photograph tells its focal length to some per cent; docs/verification.md"),
+    PSFM_OPTION(solve.ties.max_zooms, 1, 100, "zooms that may explain cameras of which some differ; 1: not asked", "ours, on brighton and ioniq5 with every third zoomed"),
     PSFM_OPTION(solve.ties.min_deviation, 1e-6, 10, "part by which a focal length differs that is another one", "ours: focus moves focal lengths by one or two per cent"),
     PSFM_OPTION(solve.ties.min_gain, 1, 1000, "factor by which a camera of its own lowers an image's error", "ours; not tuned"),
     PSFM_OPTION(solve.ties.min_observations, 1, kCount, "observations that say something of a camera", "ours; not tuned"),
+    PSFM_OPTION(solve.ties.min_zoom_gain, 1, 1000, "factor by which a rarer zoom lowers the cost of what an image sees", "ours, on brighton and ioniq5 with every third zoomed"),
     PSFM_OPTION(solve.ties.points_per_image, 1, kCount, "points that are looked at, seen by each image", "ours; not tuned"),
     PSFM_OPTION(solve.ties.second_coefficient, 0, 1, "whether cameras are one where two radial coefficients explain them all, though one does not (1)", "ours, on brighton with a barrel distortion"),
 

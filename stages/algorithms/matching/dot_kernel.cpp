@@ -11,12 +11,18 @@ namespace psfm {
 namespace {
 
 // Beyond AVX2, whose check includes the operating system's consent. Asked of the processor itself:
-// clang 14 has the instructions, but no name for them in __builtin_cpu_supports.
-bool has_avx_vnni() {
+// clang 14 has the instructions, but no name for them in __builtin_cpu_supports. Asked once: a
+// virtual machine leaves its guest to answer.
+bool ask_for_avx_vnni() {
     constexpr unsigned kAvxVnni =
         1U << 4;  // Format: of EAX, leaf 7, subleaf 1 (Intel's manual, CPUID)
     unsigned eax = 0, ebx = 0, ecx = 0, edx = 0;
     return __get_cpuid_count(7, 1, &eax, &ebx, &ecx, &edx) != 0 && (eax & kAvxVnni) != 0;
+}
+
+bool has_avx_vnni() {
+    static const bool has = ask_for_avx_vnni();
+    return has;
 }
 
 }  // namespace

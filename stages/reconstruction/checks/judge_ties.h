@@ -7,18 +7,10 @@
 #include <vector>
 
 #include "stages/reconstruction/checks/camera_ties.h"
+#include "stages/reconstruction/checks/tied_model.h"
 #include "stages/reconstruction/model/solve_options.h"
 
 namespace psfm {
-
-/// A camera adjusted together with all of its kind, and by itself.
-struct ReleasedCamera {
-    CameraId camera{};  ///< as accepted
-    double tied_focal_px = 0.0, own_focal_px = 0.0;
-    double tied_cost = 0.0, own_cost = 0.0;  ///< mean loss of its observations
-    std::size_t observations = 0;
-    bool deviates = false;  ///< it is not the camera of the others
-};
 
 struct TieVerdict {
     CameraTies ties;
@@ -31,7 +23,8 @@ struct TieVerdict {
 /// tied, then with each by itself. Where a scene hardly tells focal lengths (a plane from above, a
 /// narrow view) these wander and gain nothing: so a camera only leaves the others when its
 /// observations are explained clearly better, and its focal length is another one. Then all of its
-/// kind are tied anew to those whose focal lengths are near theirs. Ties that the model comes with
+/// kind have one of the fewest zooms with which none leaves any more; where no few zooms explain
+/// them, they are tied to those whose focal lengths are near theirs. Ties that the model comes with
 /// do not count: what was decided with fewer images is decided anew.
 /// @param problem  as accepted, not tied
 /// @param ties  those of the model: what becomes of them when nothing can be found out

@@ -24,7 +24,16 @@ struct TieOptions {
     /// which moves focal lengths by a per cent or two, parts cameras. Ours, for that reason; not
     /// tuned.
     double min_deviation = 0.03;
-    /// Where some leave, all of their kind are parted where their focal lengths, one by one, leave
+    /// Where some leave, it is asked whether so many zooms explain all of their kind, from two on;
+    /// 1: that is not asked. Raised: slower; lowered: photographs that hardly tell their focal
+    /// lengths have more cameras than there were zooms. Ours, on photographs of brighton and ioniq5
+    /// without EXIF, every third zoomed (docs/notebook/2026-11-30-few-zooms.md).
+    std::uint32_t max_zooms = 4;
+    /// An image has another zoom than most where that lowers the cost of the points that it sees by
+    /// this factor. Raised: few photographs of another zoom go unnoticed; lowered: those that
+    /// hardly tell are given one of them by chance. Ours, on the same photographs.
+    double min_zoom_gain = 1.01;
+    /// Where no zooms do, they are parted where their focal lengths, one by one, leave
     /// a gap of this part. Raised: zooms that are near each other are mixed; lowered: photographs
     /// of one camera are parted, since each by itself tells its focal length to some per cent.
     /// Ours, for that reason; not tuned.
