@@ -24,7 +24,7 @@ std::vector<std::size_t> part_by_zoom(std::span<const ReleasedCamera> cameras, s
 /// own, and count.
 /// @param apart  each by itself
 /// @param labels  of all cameras of the problem, by which others are tied
-/// @return the zoom of each; empty: there are not half as many as cameras
+/// @return the zoom of each; empty: there are more than half as many as cameras
 std::map<CameraId, std::size_t> find_zooms(std::span<const ReleasedCamera> cameras,
                                            const TiedModel& apart, const ClusterProblem& problem,
                                            const std::map<CameraId, std::size_t>& labels,

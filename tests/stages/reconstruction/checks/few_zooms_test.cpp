@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "stages/reconstruction/solve/solve_cluster.h"
 #include "tests/stages/reconstruction/alike_cameras.h"
@@ -67,6 +69,29 @@ TEST(FindZooms, TwoZoomsAreTwoCamerasThoughEachIsUnsure) {
     const ClusterProblem problem = thin_with_zooms(1.3);
     EXPECT_EQ(cameras_of(problem, 4), 2U);
     EXPECT_GT(cameras_of(problem, 1), 2U) << "without the question";
+}
+
+// An image that was placed with a wrong zoom, where it fits best with that, is told its own.
+TEST(CostsByLens, AnImagePlacedWithAWrongZoomCostsLessWithItsOwn) {
+    const ClusterProblem problem = thin_with_zooms(1.3);
+    const auto solution = solve_cluster(problem, {});
+    ASSERT_TRUE(solution.ok());
+    ASSERT_EQ(solution->model->cameras.size(), 2U);
+    Reconstruction bent = *solution->model;
+    const Camera wide = bent.cameras.at(bent.find(ImageId{0})->camera);
+    const Camera zoomed = bent.cameras.at(bent.find(ImageId{1})->camera);
+    for (RegisteredImage& image : bent.images) {
+        if (image.image != ImageId{1}) continue;
+        image.camera = bent.find(ImageId{0})->camera;
+        image.cam_from_cluster.translation.z() /= 1.3;  // as near as it looks
+    }
+    const auto costs =
+        costs_by_lens(std::make_shared<const Reconstruction>(bent), problem,
+                      std::vector{CameraId{0}, CameraId{1}}, std::vector{wide, zoomed}, {});
+    ASSERT_EQ(costs.size(), 2U);
+    const double sure = TieOptions().min_zoom_gain;
+    EXPECT_LT(sure * costs.at(CameraId{0})[0], costs.at(CameraId{0})[1]);
+    EXPECT_LT(sure * costs.at(CameraId{1})[1], costs.at(CameraId{1})[0]);
 }
 
 }  // namespace
