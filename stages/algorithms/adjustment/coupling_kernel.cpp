@@ -4,13 +4,14 @@
 
 namespace psfm {
 
-void coupling_kernel_portable(const double* cross, const double* scaled, double* values,
-                              std::size_t stride) {
-    for (std::size_t column = 0; column < 6; ++column) {
-        double* target = values + column * stride;
-        for (std::size_t row = 0; row < 6; ++row) {
-            target[row] -= cross[row] * scaled[column] + cross[6 + row] * scaled[6 + column] +
-                           cross[12 + row] * scaled[12 + column];
+void coupling_kernel_portable(const CouplingRows& left, const double* right, std::size_t depth,
+                              double* block, std::size_t stride) {
+    for (std::size_t k = 0; k < depth; ++k) {
+        const double* from = left.values + k * left.stride;
+        for (std::size_t column = 0; column < 6; ++column) {
+            const double factor = right[6 * k + column];
+            double* target = block + column * stride;
+            for (std::size_t row = 0; row < left.rows; ++row) target[row] += from[row] * factor;
         }
     }
 }

@@ -6,21 +6,11 @@
 #include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
-#include <cmath>
 
 #include "graph/camera.h"
-#include "graph/rigid3.h"
+#include "stages/algorithms/adjustment/reprojection.h"
 
 namespace psfm {
-
-/// Format: parameter blocks of bundle adjustment: pose (quaternion x y z w, translation), point,
-/// intrinsics (Camera::params).
-constexpr int kPoseSize = 7;
-constexpr int kPointSize = 3;
-constexpr int kIntrinsicsSize = 8;
-
-void write_pose(const Rigid3& cam_from_world, double* block);
-Rigid3 read_pose(const double* block);
 
 /// Rigid motion with the tangent (w, v): rotation' = exp(w) * rotation, translation' = translation
 /// + v.
@@ -46,31 +36,6 @@ class PoseManifold final : public ceres::Manifold {
     int held_ = -1;  // of the six coordinates (w, v); -1: none
 };
 
-/// Projected minus observed pixel, times `inverse_sigma`, of one observation; blocks as above.
-/// @param jacobians  by pose (2 x 7 as PoseManifold wants it), point (2 x 3) and intrinsics (2 x
-/// 8), row by row; null, or those that are null, are not computed
-/// @return false when the point is not in front of the camera
-bool evaluate_reprojection(CameraModel model, const Eigen::Vector2d& observed_px,
-                           double inverse_sigma, const double* const* parameters, double* residuals,
-                           double** jacobians);
-
-/// The loss of bundle adjustment at one observation: soft L1, as ceres::SoftLOneLoss has it,
-/// rho(s) = 2 b (sqrt(1 + s / b) - 1) for the squared error s and the squared scale b.
-class SoftLOne {
-  public:
-    SoftLOne(double squared_error, double scale)
-        : b_(scale * scale), root_(std::sqrt(1.0 + squared_error / b_)) {}
-    /// rho / 2, what adds up to the cost.
-    double half_loss() const { return b_ * (root_ - 1.0); }
-    /// 1 / rho'. The curvature of the loss is negative, and left out of the normal equations, as
-    /// Ceres does.
-    double inverse_slope() const { return root_; }
-
-  private:
-    double b_;
-    double root_;
-};
-
 /// Projected minus observed pixel, divided by the observation's standard deviation; analytic
 /// derivatives.
 class ReprojectionCost final
@@ -81,10 +46,7 @@ class ReprojectionCost final
 
     /// False when the point is not in front of the camera: the solver then takes a shorter step.
     bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        return evaluate_reprojection(model_, observed_, inverse_sigma_, parameters, residuals,
-                                     jacobians);
-    }
+                  double** jacobians) const override;
 
   private:
     CameraModel model_;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "stages/algorithms/adjustment/reprojection_cost.h"
+#include "stages/algorithms/adjustment/reprojection.h"
 
 namespace psfm {
 

@@ -12,7 +12,7 @@
 namespace psfm {
 
 /// Parameters of one adjustment in one array: cameras first, then poses, then points; blocks as in
-/// reprojection_cost.h.
+/// reprojection.h.
 struct AdjustmentParameters {
     std::vector<double> values;
     std::map<CameraId, std::size_t> camera_at;

@@ -3,44 +3,53 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <vector>
 
-#include "stages/algorithms/adjustment/reprojection_cost.h"
+#include "stages/algorithms/adjustment/coupling_kernel.h"
+#include "stages/algorithms/adjustment/reprojection.h"
 #include "stages/reconstruction/adjust/adjustment_problem.h"
 #include "stages/reconstruction/adjust/reduced_adjustment.h"
 
 namespace psfm {
 
-/// Derivatives of one observation, residual and rows multiplied by the root of the loss's slope.
-struct LinearizedObservation {
+/// Derivatives of one observation, residual and rows multiplied by the root of the loss's slope; by
+/// the intrinsics: free slots first, what the rest holds means nothing.
+struct LinearizedObservation : ReprojectionDerivatives {
+    Eigen::Vector2d residual;
     std::size_t pose = AdjustmentColumns::kHeld;                ///< first column; kHeld: it stays
     const AdjustmentColumns::Intrinsics* intrinsics = nullptr;  ///< null: they stay
-    Eigen::Vector2d residual;
-    Eigen::Matrix<double, 2, 6> by_pose;
-    Eigen::Matrix<double, 2, 3> by_point;
-    Eigen::Matrix<double, 2, kIntrinsicsSize> by_intrinsics;  ///< free slots first, the rest unset
 };
 
-/// A point with what couples it to the cameras that see it.
-struct EliminatedPoint {
-    /// Rows of the cross term of cameras and point, and the same times the inverse of the point's
-    /// block.
-    template <int kRows>
-    struct Coupling {
-        std::size_t column = 0;
-        int size = 0;
-        std::size_t observation = 0;  ///< of a pose: the one that it belongs to
-        Eigen::Matrix<double, kRows, 3> cross = Eigen::Matrix<double, kRows, 3>::Zero();
-        Eigen::Matrix<double, kRows, 3> scaled = cross;
-    };
+/// What all cameras that see a point say about where it is.
+struct LinearizedPoint {
     std::vector<LinearizedObservation> observations;
-    std::vector<Coupling<6>> poses;                     ///< ascending by column
-    std::vector<Coupling<kIntrinsicsSize>> intrinsics;  ///< ascending by column
     bool is_free = false;  ///< otherwise it stays, and its inverse is zero
     Eigen::Vector3d gradient, damping;
     Eigen::Matrix3d inverse;  ///< of the damped block
+};
+
+/// A point with what couples it to the cameras that see it.
+struct EliminatedPoint : LinearizedPoint {
+    /// Rows of the cross term of cameras and point, and what they become when the point follows
+    /// the cameras: minus the same times the inverse of the point's block.
+    template <int kRows>
+    struct Coupling {
+        std::size_t column;
+        Eigen::Index size;
+        std::size_t observation;  ///< of a pose: the one that it belongs to
+        Eigen::Matrix<double, kRows, 3> cross, eliminated;
+
+        CouplingRows rows() const { return {cross.data(), kRows, static_cast<std::size_t>(size)}; }
+    };
+    std::vector<Coupling<6>> poses;                     ///< ascending by column
+    std::vector<Coupling<kIntrinsicsSize>> intrinsics;  ///< ascending by column
+};
+
+/// Values of an adjustment's parameters, which outlive this, and the cameras that they make.
+struct AdjustmentPoint {
+    const std::vector<double>& values;
+    std::vector<PosedCamera> cameras;  ///< by image; unset where one takes no part
 };
 
 /// Evaluates observations, by their number in the selection, at given parameters. Thread-safe.
@@ -51,20 +60,24 @@ class ObservationEvaluator {
                          const AdjustmentColumns& columns, const AdjustmentOptions& options,
                          const AdjustmentParameters& layout);
 
+    AdjustmentPoint at(const std::vector<double>& values) const;
     /// Half the loss of one observation; infinity behind the camera.
-    double half_loss(std::size_t observation, const std::vector<double>& values) const;
+    double half_loss(std::size_t observation, const AdjustmentPoint& at) const;
     /// REQUIRES: half_loss is finite
-    void linearize(std::size_t observation, const std::vector<double>& values,
+    void linearize(std::size_t observation, const AdjustmentPoint& at,
                    LinearizedObservation& out) const;
     /// @param first, count  all observations of one point
     /// @param radius  of the trust region, as in Ceres: damping is the block's diagonal over it
-    void eliminate(std::size_t first, std::size_t count, const std::vector<double>& values,
-                   double radius, EliminatedPoint& out) const;
+    void linearize_point(std::size_t first, std::size_t count, const AdjustmentPoint& at,
+                         double radius, LinearizedPoint& out) const;
+    /// The same, with what the point's freedom means for the cameras.
+    void eliminate(std::size_t first, std::size_t count, const AdjustmentPoint& at, double radius,
+                   EliminatedPoint& out) const;
 
   private:
     struct View {
         CameraModel model{};
-        std::size_t pose_at = 0, intrinsics_at = 0;
+        std::size_t pose_at = AdjustmentParameters::kAbsent, intrinsics_at = 0;
         std::size_t column = AdjustmentColumns::kHeld;
         const AdjustmentColumns::Intrinsics* intrinsics = nullptr;
     };
@@ -73,10 +86,11 @@ class ObservationEvaluator {
     struct Observed {
         float x = 0.F, y = 0.F;
         double inverse_sigma = 1.0;
+        Eigen::Vector2d residual(const Eigen::Vector2d& pixel) const {
+            return inverse_sigma * (pixel - Eigen::Vector2d(x, y));
+        }
     };
-    std::array<const double*, 3> blocks_of(const AdjustmentResidual& residual,
-                                           const std::vector<double>& values) const;
-    static void couple(EliminatedPoint& point);
+    Reprojection reproject(std::size_t observation, const AdjustmentPoint& at) const;
 
     const AdjustmentSelection& selection_;
     const AdjustmentColumns& columns_;

@@ -17,6 +17,19 @@ constexpr std::size_t kBatch = 512;
 /// at: few columns are not worth many of them.
 constexpr std::size_t kMaxStripes = 64, kStripeColumns = 12;
 
+/// How a step of the cameras changes a residual.
+Eigen::Vector2d moved_by_camera(const LinearizedObservation& seen, const Eigen::VectorXd& delta) {
+    Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+    if (seen.pose != AdjustmentColumns::kHeld)
+        moved.noalias() += seen.by_pose * delta.segment<6>(static_cast<Eigen::Index>(seen.pose));
+    if (seen.intrinsics != nullptr) {
+        const auto free = static_cast<Eigen::Index>(seen.intrinsics->slots.size());
+        moved.noalias() += seen.by_intrinsics.leftCols(free) *
+                           delta.segment(static_cast<Eigen::Index>(seen.intrinsics->column), free);
+    }
+    return moved;
+}
+
 }  // namespace
 
 ReducedSystem::ReducedSystem(const WorkingModel& model, const AdjustmentSelection& selection,
@@ -82,11 +95,12 @@ ReducedSystem::LinearizedPrior ReducedSystem::linearize(const Prior& prior,
 }
 
 double ReducedSystem::cost(const std::vector<double>& values) const {
+    const AdjustmentPoint at = evaluator_.at(values);
     std::vector<double> sums(batches(), 0.0);
     in_parallel(sums.size(), [&](std::size_t number) {
         for (const Group& group : batch(number)) {
             for (std::size_t i = group.first; i < group.first + group.count; ++i)
-                sums[number] += evaluator_.half_loss(i, values);
+                sums[number] += evaluator_.half_loss(i, at);
         }
     });
     double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
@@ -96,7 +110,8 @@ double ReducedSystem::cost(const std::vector<double>& values) const {
 
 std::optional<double> ReducedSystem::step(const std::vector<double>& values, double radius,
                                           std::vector<double>& moved) {
-    build(values, radius);
+    const AdjustmentPoint at = evaluator_.at(values);
+    build(at, radius);
     if (!system_.factorize()) return std::nullopt;
     Eigen::VectorXd delta = -(gradient_ + eliminated_);
     system_.solve(delta);
@@ -105,17 +120,17 @@ std::optional<double> ReducedSystem::step(const std::vector<double>& values, dou
     move_cameras(delta, moved);
     // Half of -g'd + d'Dd: what the linear model gains, the damped normal equations put in.
     const double cameras = delta.dot(damping_.cwiseProduct(delta) - gradient_);
-    return 0.5 * (cameras + move_points(values, radius, delta, moved));
+    return 0.5 * (cameras + move_points(at, radius, delta, moved));
 }
 
-void ReducedSystem::build(const std::vector<double>& values, double radius) {
+void ReducedSystem::build(const AdjustmentPoint& at, double radius) {
     const auto size = static_cast<Eigen::Index>(columns_.count);
     system_.set_zero();
     for (Eigen::VectorXd* vector : {&eliminated_, &gradient_, &squares_}) vector->setZero(size);
     for (std::size_t number = 0; number < batches(); ++number) {
         const std::span<const Group> groups = batch(number);
         in_parallel(groups.size(), [&](std::size_t i) {
-            evaluator_.eliminate(groups[i].first, groups[i].count, values, radius, points_[i]);
+            evaluator_.eliminate(groups[i].first, groups[i].count, at, radius, points_[i]);
         });
         // A column belongs to one task, which adds the points in their order.
         in_parallel(stripes_, [&](std::size_t task) {
@@ -123,7 +138,7 @@ void ReducedSystem::build(const std::vector<double>& values, double radius) {
             for (std::size_t i = 0; i < groups.size(); ++i) add_point(points_[i], columns);
         });
     }
-    add_priors(values);
+    add_priors(at.values);
     damp(radius);
 }
 
@@ -137,31 +152,32 @@ void ReducedSystem::add_point(const EliminatedPoint& point, const Stripe& stripe
     }
 }
 
+void ReducedSystem::add_product(const CouplingRows& left, std::size_t row, const double* right,
+                                std::size_t depth, std::size_t column) {
+    auto block = system_.part<Eigen::Dynamic, 6>(row, column, static_cast<Eigen::Index>(left.rows));
+    add_coupling_(left, right, depth, block.data(), static_cast<std::size_t>(block.outerStride()));
+}
+
 void ReducedSystem::add_pose(const EliminatedPoint& point, std::size_t left) {
     const auto& pose = point.poses[left];
     const LinearizedObservation& seen = point.observations[pose.observation];
     const auto column = static_cast<Eigen::Index>(pose.column);
     squares_.segment<6>(column) += seen.by_pose.colwise().squaredNorm().transpose();
-    system_.part<6, 6>(pose.column, pose.column).noalias() +=
-        seen.by_pose.transpose() * seen.by_pose;
     gradient_.segment<6>(column).noalias() += seen.by_pose.transpose() * seen.residual;
+    // Rows that follow one another are the columns of what is transposed.
+    add_product({seen.by_pose.data(), 6, 6}, pose.column, seen.by_pose.data(), 2, pose.column);
     if (seen.intrinsics != nullptr) {
-        const auto free = static_cast<Eigen::Index>(seen.intrinsics->slots.size());
-        system_.part<Eigen::Dynamic, 6>(seen.intrinsics->column, pose.column, free).noalias() +=
-            seen.by_intrinsics.leftCols(free).transpose() * seen.by_pose;
+        add_product({seen.by_intrinsics.data(), kIntrinsicsSize, seen.intrinsics->slots.size()},
+                    seen.intrinsics->column, seen.by_pose.data(), 2, pose.column);
     }
     if (!point.is_free) return;
-    eliminated_.segment<6>(column).noalias() -= pose.scaled * point.gradient;
+    eliminated_.segment<6>(column).noalias() += pose.eliminated * point.gradient;
     for (std::size_t low = left; low < point.poses.size(); ++low) {
         const auto& other = point.poses[low];
-        auto block = system_.part<6, 6>(other.column, pose.column);
-        subtract_coupling_(other.cross.data(), pose.scaled.data(), block.data(),
-                           static_cast<std::size_t>(block.outerStride()));
+        add_product(other.rows(), other.column, pose.eliminated.data(), 3, pose.column);
     }
-    for (const auto& camera : point.intrinsics) {
-        system_.part<Eigen::Dynamic, 6>(camera.column, pose.column, camera.size).noalias() -=
-            camera.cross.topRows(camera.size) * pose.scaled.transpose();
-    }
+    for (const auto& camera : point.intrinsics)
+        add_product(camera.rows(), camera.column, pose.eliminated.data(), 3, pose.column);
 }
 
 void ReducedSystem::add_intrinsics(const EliminatedPoint& point, std::size_t left) {
@@ -178,14 +194,14 @@ void ReducedSystem::add_intrinsics(const EliminatedPoint& point, std::size_t lef
         gradient_.segment(column, camera.size).noalias() += rows.transpose() * seen.residual;
     }
     if (!point.is_free) return;
-    const auto scaled = camera.scaled.topRows(camera.size);
-    eliminated_.segment(column, camera.size).noalias() -= scaled * point.gradient;
+    const auto eliminated = camera.eliminated.topRows(camera.size);
+    eliminated_.segment(column, camera.size).noalias() += eliminated * point.gradient;
     for (std::size_t low = left; low < point.intrinsics.size(); ++low) {
         const auto& other = point.intrinsics[low];
         system_
             .part<Eigen::Dynamic, Eigen::Dynamic>(other.column, camera.column, other.size,
                                                   camera.size)
-            .noalias() -= other.cross.topRows(other.size) * scaled.transpose();
+            .noalias() += other.cross.topRows(other.size) * eliminated.transpose();
     }
 }
 
@@ -234,25 +250,18 @@ void ReducedSystem::move_cameras(const Eigen::VectorXd& delta, std::vector<doubl
     }
 }
 
-double ReducedSystem::move_points(const std::vector<double>& values, double radius,
+double ReducedSystem::move_points(const AdjustmentPoint& at, double radius,
                                   const Eigen::VectorXd& delta, std::vector<double>& moved) const {
     std::vector<double> gains(batches(), 0.0);
     in_parallel(gains.size(), [&](std::size_t number) {
-        EliminatedPoint point;
+        LinearizedPoint point;
         for (const Group& group : batch(number)) {
             const std::uint32_t index = selection_.residuals[group.first].point;
             if (!selection_.point_is_free[index]) continue;
-            evaluator_.eliminate(group.first, group.count, values, radius, point);
+            evaluator_.linearize_point(group.first, group.count, at, radius, point);
             Eigen::Vector3d sum = point.gradient;
-            for (const auto& pose : point.poses) {
-                sum.noalias() += pose.cross.transpose() *
-                                 delta.segment<6>(static_cast<Eigen::Index>(pose.column));
-            }
-            for (const auto& camera : point.intrinsics) {
-                sum.noalias() +=
-                    camera.cross.topRows(camera.size).transpose() *
-                    delta.segment(static_cast<Eigen::Index>(camera.column), camera.size);
-            }
+            for (const LinearizedObservation& seen : point.observations)
+                sum.noalias() += seen.by_point.transpose() * moved_by_camera(seen, delta);
             const Eigen::Vector3d step = -(point.inverse * sum);
             Eigen::Map<Eigen::Vector3d>{&moved[layout_.point_at[index]]} += step;
             gains[number] += step.dot(point.damping.cwiseProduct(step) - point.gradient);

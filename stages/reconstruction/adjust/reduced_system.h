@@ -66,15 +66,18 @@ class ReducedSystem {
     };
     Stripe stripe(std::size_t number) const;
 
-    void build(const std::vector<double>& values, double radius);
+    void build(const AdjustmentPoint& at, double radius);
     void add_point(const EliminatedPoint& point, const Stripe& stripe);
+    /// To rows from `row` on, and the columns of the pose that begins at `column`.
+    void add_product(const CouplingRows& left, std::size_t row, const double* right,
+                     std::size_t depth, std::size_t column);
     void add_pose(const EliminatedPoint& point, std::size_t left);
     void add_intrinsics(const EliminatedPoint& point, std::size_t left);
     void add_priors(const std::vector<double>& values);
     void damp(double radius);
     void move_cameras(const Eigen::VectorXd& delta, std::vector<double>& moved) const;
-    double move_points(const std::vector<double>& values, double radius,
-                       const Eigen::VectorXd& delta, std::vector<double>& moved) const;
+    double move_points(const AdjustmentPoint& at, double radius, const Eigen::VectorXd& delta,
+                       std::vector<double>& moved) const;
 
     const AdjustmentSelection& selection_;
     const AdjustmentColumns& columns_;
@@ -85,7 +88,7 @@ class ReducedSystem {
     std::size_t stripes_ = 1;
     std::deque<Prior> priors_;
     TiledMatrix system_;
-    const CouplingKernel subtract_coupling_ = available_coupling_kernels().front().run;
+    const CouplingKernel add_coupling_ = available_coupling_kernels().front().run;
     Eigen::VectorXd eliminated_;                    // what elimination adds to the gradient
     Eigen::VectorXd gradient_, squares_, damping_;  // of the cameras: J'r, diagonal of J'J, added
 };

@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-#include "stages/algorithms/adjustment/reprojection_cost.h"
+#include "stages/algorithms/adjustment/reprojection.h"
 #include "stages/algorithms/math/in_parallel.h"
 #include "stages/reconstruction/model/cover_tracks.h"
 #include "stages/reconstruction/model/tracks.h"
@@ -17,7 +17,6 @@ namespace psfm {
 namespace {
 
 using Feature = WorkingModel::Feature;
-using PoseBlock = std::array<double, kPoseSize>;
 
 constexpr std::size_t kRefinedATask = 256;  // Guard: of tasks too small to pay
 
@@ -31,9 +30,13 @@ struct PointSystem {
 class PointRefiner {
   public:
     PointRefiner(const WorkingModel& model, const AdjustmentOptions& options)
-        : model_(model), options_(options), poses_(model.image_count()) {
+        : model_(model), options_(options), cameras_(model.image_count()) {
         for (std::uint32_t image = 0; image < model.image_count(); ++image) {
-            if (model.registered(image)) write_pose(model.pose(image), poses_[image].data());
+            if (!model.registered(image)) continue;
+            std::array<double, kPoseSize> pose{};
+            write_pose(model.pose(image), pose.data());
+            const Camera& camera = model.camera(image);
+            cameras_[image] = {camera.model, pose.data(), camera.params.data()};
         }
     }
 
@@ -60,30 +63,27 @@ class PointRefiner {
     PointSystem linearize(std::span<const Feature> track, const Eigen::Vector3d& position) const {
         PointSystem system;
         for (const Feature& feature : track) {
-            const Camera& camera = model_.camera(feature.image);
-            const double inverse_sigma =
-                1.0 / observation_sigma(model_.keypoint(feature), options_);
-            const std::array<const double*, 3> parameters{poses_[feature.image].data(),
-                                                          position.data(), camera.params.data()};
-            Eigen::Vector2d residual;
-            Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
-            std::array<double*, 3> jacobians{nullptr, by_point.data(), nullptr};
-            if (!evaluate_reprojection(camera.model, model_.pixel(feature), inverse_sigma,
-                                       parameters.data(), residual.data(), jacobians.data())) {
+            const Reprojection seen(cameras_[feature.image], position);
+            if (!seen.in_front()) {
                 system.cost = std::numeric_limits<double>::infinity();
                 return system;
             }
+            const double inverse_sigma =
+                1.0 / observation_sigma(model_.keypoint(feature), options_);
+            const Eigen::Vector2d residual = inverse_sigma * (seen.pixel() - model_.pixel(feature));
             const SoftLOne loss(residual.squaredNorm(), options_.loss_scale_px);
+            const auto by_point = seen.by_point(inverse_sigma);
+            const double weight = 1.0 / loss.inverse_slope();
             system.cost += loss.half_loss();
-            system.normal += by_point.transpose() * by_point / loss.inverse_slope();
-            system.gradient += by_point.transpose() * residual / loss.inverse_slope();
+            system.normal += weight * by_point.transpose() * by_point;
+            system.gradient += weight * by_point.transpose() * residual;
         }
         return system;
     }
 
     const WorkingModel& model_;
     const AdjustmentOptions& options_;
-    std::vector<PoseBlock> poses_;
+    std::vector<PosedCamera> cameras_;  // by image; unset where one is not placed
 };
 
 }  // namespace

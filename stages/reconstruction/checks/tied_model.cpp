@@ -8,7 +8,7 @@
 
 #include "graph/camera_lens.h"
 #include "graph/sorted_unique.h"
-#include "stages/algorithms/adjustment/reprojection_cost.h"
+#include "stages/algorithms/adjustment/reprojection.h"
 #include "stages/algorithms/pose/absolute_pose.h"
 #include "stages/reconstruction/adjust/thin_points.h"
 #include "stages/reconstruction/checks/judge_lenses.h"
