@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <tuple>
 
 #include "graph/rigid3.h"
 #include "stages/algorithms/alignment/cluster_index.h"
 #include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/most_common.h"
 #include "stages/algorithms/pose/absolute_pose.h"
 
 namespace psfm {
@@ -143,14 +145,6 @@ bool agrees_with_edges(const UnplacedImage& image, const Rigid3& cam_from_frame,
     return agreeing > 0.0 ? agreeing > contradicting : contradicting == 0.0;
 }
 
-/// Of the inliers' clusters the one with most, ties: the smallest id.
-std::pair<ClusterId, std::uint32_t> most_seen(const Sighting& sighting,
-                                              std::span<const std::uint32_t> inliers) {
-    std::map<ClusterId, std::uint32_t> counts;
-    for (const std::uint32_t inlier : inliers) ++counts[sighting.clusters[inlier]];
-    return *std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; });
-}
-
 std::optional<Adoption> try_against(const UnplacedImage& image, const MergedModel& model,
                                     Sighting& sighting, const SolveOptions& options) {
     const auto is_elsewhere = [&](ClusterId cluster) { return cluster != image.tried_by; };
@@ -167,14 +161,16 @@ std::optional<Adoption> try_against(const UnplacedImage& image, const MergedMode
     const auto pose = estimate_absolute_pose(sighting.pixels, sighting.points, camera, refine_focal,
                                              options.absolute_pose, image.content_hash);
     if (!pose.ok()) return std::nullopt;  // Expected: the image has no place here
-    const auto [host, inliers_of_host] = most_seen(sighting, pose->inliers);
+    const auto cluster_of = [&](std::uint32_t inlier) { return sighting.clusters[inlier]; };
+    const auto [host, inliers_of_host] =
+        most_common(pose->inliers | std::views::transform(cluster_of));
     if (host == image.tried_by || inliers_of_host < options.absolute_pose.min_inliers)
         return std::nullopt;
     if (!agrees_with_edges(image, pose->cam_from_world, sighting, model,
                            options.max_contradiction_deg))
         return std::nullopt;
     return Adoption{image.id, host, static_cast<std::uint32_t>(pose->inliers.size()),
-                    inliers_of_host};
+                    static_cast<std::uint32_t>(inliers_of_host)};
 }
 
 }  // namespace

@@ -6,8 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <set>
 #include <utility>
+
+#include "stages/algorithms/math/most_common.h"
 
 namespace psfm {
 namespace {
@@ -71,20 +74,13 @@ std::vector<Camera> lenses_of(const Reconstruction& model, const ClusterProblem&
     return by_zoom;
 }
 
-/// The zoom that most cameras have; ties: the shortest.
-std::size_t most_common(const Zooms& zooms, std::size_t count) {
-    std::vector<std::size_t> cameras(count, 0);
-    for (const auto& [camera, zoom] : zooms) ++cameras[zoom];
-    return static_cast<std::size_t>(std::ranges::max_element(cameras) - cameras.begin());
-}
-
 /// The zoom with which each camera's images cost least, the most common one where they hardly tell.
 Zooms best_zooms(const TiedModel& with, const ClusterProblem& problem, const Zooms& zooms,
                  const TieOptions& options) {
     std::vector<CameraId> cameras;
     for (const auto& [camera, zoom] : zooms) cameras.push_back(camera);
     const std::vector<Camera> lenses = lenses_of(*with.model, problem, zooms);
-    const std::size_t common = most_common(zooms, lenses.size());
+    const std::size_t common = most_common(zooms | std::views::values).first;
     Zooms best = zooms;
     for (const auto& [camera, costs] :
          costs_by_lens(with.model, problem, cameras, lenses, options)) {

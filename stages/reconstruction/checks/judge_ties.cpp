@@ -6,8 +6,10 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <ranges>
 #include <utility>
 
+#include "stages/algorithms/math/most_common.h"
 #include "stages/reconstruction/checks/few_zooms.h"
 
 namespace psfm {
@@ -54,14 +56,6 @@ bool tied_in(const CameraTies& ties, const std::vector<ReleasedCamera>& kind) {
     });
 }
 
-/// The label that most of some cameras have; ties: the smallest.
-std::size_t most_common(const std::vector<ReleasedCamera>& kind,
-                        const std::map<CameraId, std::size_t>& labels) {
-    std::map<std::size_t, std::size_t> counts;
-    for (const ReleasedCamera& camera : kind) ++counts[labels.at(camera.camera)];
-    return std::ranges::max_element(counts, {}, [](const auto& c) { return c.second; })->first;
-}
-
 }  // namespace
 
 TieVerdict judge_ties(const std::shared_ptr<const Reconstruction>& model,
@@ -100,7 +94,8 @@ TieVerdict judge_ties(const std::shared_ptr<const Reconstruction>& model,
         next += zooms.size();  // there are no more of them than cameras
         if (zooms.empty()) part_by_focal(cameras, options.ties.max_step, labels, next);
         // What is not placed yet goes with most of them.
-        const std::size_t most = most_common(cameras, labels);
+        const auto label_of = [&](const ReleasedCamera& camera) { return labels[camera.camera]; };
+        const std::size_t most = most_common(cameras | std::views::transform(label_of)).first;
         for (const auto& [id, of_kind] : problem.alike) {
             const bool is_placed = std::ranges::any_of(
                 cameras, [&](const ReleasedCamera& camera) { return camera.camera == id; });

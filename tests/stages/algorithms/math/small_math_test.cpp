@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "graph/sorted_unique.h"
 #include "stages/algorithms/math/angles.h"
 #include "stages/algorithms/math/median.h"
+#include "stages/algorithms/math/most_common.h"
 #include "stages/algorithms/math/union_find.h"
 
 namespace psfm {
@@ -20,6 +22,12 @@ TEST(UpperMedian, IsOneOfTheValues) {
     EXPECT_EQ(upper_median(std::vector<double>{4.0, 1.0, 3.0, 2.0}), 3.0);
     EXPECT_EQ(upper_median(std::vector<int>{-9, 1, 5}, [](int value) { return std::abs(value); }),
               5);
+}
+
+TEST(MostCommon, IsTheSmallestOfThoseThatOccurMost) {
+    EXPECT_EQ(most_common(std::vector<int>{7}), std::pair(7, std::size_t{1}));
+    EXPECT_EQ(most_common(std::vector<int>{4, 9, 4, 2, 9, 9}), std::pair(9, std::size_t{3}));
+    EXPECT_EQ(most_common(std::vector<int>{5, 3, 3, 5, 1}), std::pair(3, std::size_t{2}));
 }
 
 TEST(UnionFind, JoinsUnderTheSmallest) {
