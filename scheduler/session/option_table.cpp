@@ -25,9 +25,19 @@ const std::vector<NamedOption>& table() {
     return kTable;
 }
 
-/// Options that are no more, in sessions of earlier programs: what they were is another one now.
-/// - solve.policy.places.whole_up_to: affordable_up_to, whose default it had.
-constexpr std::array kRetired{std::string_view("solve.policy.places.whole_up_to")};
+/// An option that is no more, in sessions of earlier programs and in scripts: what it was is
+/// another one now.
+struct Retired {
+    std::string_view name, now;
+};
+constexpr std::array kRetired{
+    Retired{"solve.policy.converge_up_to", "solve.policy.affordable_up_to"},
+    Retired{"solve.policy.places.whole_up_to", "solve.policy.affordable_up_to"}};
+
+const Retired* find_retired(std::string_view name) {
+    const auto* found = std::ranges::find(kRetired, name, &Retired::name);
+    return found == kRetired.end() ? nullptr : found;
+}
 
 const NamedOption* find(std::string_view name) {
     const auto found = std::ranges::lower_bound(table(), name, {}, &NamedOption::name);
@@ -46,6 +56,11 @@ std::string alike(std::string_view name) {
 }
 
 Error unknown(const std::string& name) {
+    if (const Retired* retired = find_retired(name)) {
+        return {ErrorCode::kInvalidArgument, "the option '" + name + "' is no more; " +
+                                                 std::string(retired->now) +
+                                                 " decides what it decided"};
+    }
     const std::string names = alike(name);
     return {ErrorCode::kInvalidArgument,
             "there is no option '" + name + "'" +
@@ -73,7 +88,7 @@ std::map<std::string, double> option_values(const StageOptions& options) {
 Result<void> set_options(StageOptions& options, const std::map<std::string, double>& values) {
     for (const auto& [name, value] : values) {
         const NamedOption* option = find(name);
-        if (option == nullptr && std::ranges::find(kRetired, name) != kRetired.end()) continue;
+        if (option == nullptr && find_retired(name) != nullptr) continue;
         if (option == nullptr) return unknown(name);
         if (!(value >= option->low && value <= option->high)) {
             return Error{ErrorCode::kInvalidArgument,

@@ -69,8 +69,8 @@ ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,
     }
 }
 
-AdjustmentPoint ObservationEvaluator::at(const std::vector<double>& values) const {
-    AdjustmentPoint at{values, std::vector<PosedCamera>(views_.size())};
+AdjustmentState ObservationEvaluator::at(const std::vector<double>& values) const {
+    AdjustmentState at{values, std::vector<PosedCamera>(views_.size())};
     for (std::size_t image = 0; image < views_.size(); ++image) {
         const View& view = views_[image];
         if (view.pose_at == AdjustmentParameters::kAbsent) continue;
@@ -80,20 +80,20 @@ AdjustmentPoint ObservationEvaluator::at(const std::vector<double>& values) cons
 }
 
 Reprojection ObservationEvaluator::reproject(std::size_t observation,
-                                             const AdjustmentPoint& at) const {
+                                             const AdjustmentState& at) const {
     const AdjustmentResidual& residual = selection_.residuals[observation];
     return {at.cameras[residual.feature.image],
             Eigen::Map<const Eigen::Vector3d>(&at.values[layout_.point_at[residual.point]])};
 }
 
-double ObservationEvaluator::half_loss(std::size_t observation, const AdjustmentPoint& at) const {
+double ObservationEvaluator::half_loss(std::size_t observation, const AdjustmentState& at) const {
     const Reprojection seen = reproject(observation, at);
     if (!seen.in_front()) return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d error = observed_[observation].residual(seen.pixel());
     return SoftLOne(error.squaredNorm(), options_.loss_scale_px).half_loss();
 }
 
-void ObservationEvaluator::linearize(std::size_t observation, const AdjustmentPoint& at,
+void ObservationEvaluator::linearize(std::size_t observation, const AdjustmentState& at,
                                      LinearizedObservation& out) const {
     const View& view = views_[selection_.residuals[observation].feature.image];
     const Observed& observed = observed_[observation];
@@ -119,7 +119,7 @@ void ObservationEvaluator::linearize(std::size_t observation, const AdjustmentPo
 }
 
 void ObservationEvaluator::linearize_point(std::size_t first, std::size_t count,
-                                           const AdjustmentPoint& at, double radius,
+                                           const AdjustmentState& at, double radius,
                                            LinearizedPoint& out) const {
     out.observations.resize(count);
     out.is_free = selection_.point_is_free[selection_.residuals[first].point];
@@ -139,7 +139,7 @@ void ObservationEvaluator::linearize_point(std::size_t first, std::size_t count,
 }
 
 void ObservationEvaluator::eliminate(std::size_t first, std::size_t count,
-                                     const AdjustmentPoint& at, double radius,
+                                     const AdjustmentState& at, double radius,
                                      EliminatedPoint& out) const {
     linearize_point(first, count, at, radius, out);
     out.poses.clear();

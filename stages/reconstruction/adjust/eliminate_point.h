@@ -35,9 +35,9 @@ struct EliminatedPoint : LinearizedPoint {
     /// the cameras: minus the same times the inverse of the point's block.
     template <int kRows>
     struct Coupling {
-        std::size_t column;
-        Eigen::Index size;
-        std::size_t observation;  ///< of a pose: the one that it belongs to
+        std::size_t column = 0;
+        Eigen::Index size = 0;
+        std::size_t observation = 0;  ///< of a pose: the one that it belongs to
         Eigen::Matrix<double, kRows, 3> cross, eliminated;
 
         CouplingRows rows() const { return {cross.data(), kRows, static_cast<std::size_t>(size)}; }
@@ -47,7 +47,7 @@ struct EliminatedPoint : LinearizedPoint {
 };
 
 /// Values of an adjustment's parameters, which outlive this, and the cameras that they make.
-struct AdjustmentPoint {
+struct AdjustmentState {
     const std::vector<double>& values;
     std::vector<PosedCamera> cameras;  ///< by image; unset where one takes no part
 };
@@ -60,18 +60,18 @@ class ObservationEvaluator {
                          const AdjustmentColumns& columns, const AdjustmentOptions& options,
                          const AdjustmentParameters& layout);
 
-    AdjustmentPoint at(const std::vector<double>& values) const;
+    AdjustmentState at(const std::vector<double>& values) const;
     /// Half the loss of one observation; infinity behind the camera.
-    double half_loss(std::size_t observation, const AdjustmentPoint& at) const;
+    double half_loss(std::size_t observation, const AdjustmentState& at) const;
     /// REQUIRES: half_loss is finite
-    void linearize(std::size_t observation, const AdjustmentPoint& at,
+    void linearize(std::size_t observation, const AdjustmentState& at,
                    LinearizedObservation& out) const;
     /// @param first, count  all observations of one point
     /// @param radius  of the trust region, as in Ceres: damping is the block's diagonal over it
-    void linearize_point(std::size_t first, std::size_t count, const AdjustmentPoint& at,
+    void linearize_point(std::size_t first, std::size_t count, const AdjustmentState& at,
                          double radius, LinearizedPoint& out) const;
     /// The same, with what the point's freedom means for the cameras.
-    void eliminate(std::size_t first, std::size_t count, const AdjustmentPoint& at, double radius,
+    void eliminate(std::size_t first, std::size_t count, const AdjustmentState& at, double radius,
                    EliminatedPoint& out) const;
 
   private:
@@ -90,7 +90,7 @@ class ObservationEvaluator {
             return inverse_sigma * (pixel - Eigen::Vector2d(x, y));
         }
     };
-    Reprojection reproject(std::size_t observation, const AdjustmentPoint& at) const;
+    Reprojection reproject(std::size_t observation, const AdjustmentState& at) const;
 
     const AdjustmentSelection& selection_;
     const AdjustmentColumns& columns_;

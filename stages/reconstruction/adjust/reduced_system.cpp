@@ -95,7 +95,7 @@ ReducedSystem::LinearizedPrior ReducedSystem::linearize(const Prior& prior,
 }
 
 double ReducedSystem::cost(const std::vector<double>& values) const {
-    const AdjustmentPoint at = evaluator_.at(values);
+    const AdjustmentState at = evaluator_.at(values);
     std::vector<double> sums(batches(), 0.0);
     in_parallel(sums.size(), [&](std::size_t number) {
         for (const Group& group : batch(number)) {
@@ -110,7 +110,7 @@ double ReducedSystem::cost(const std::vector<double>& values) const {
 
 std::optional<double> ReducedSystem::step(const std::vector<double>& values, double radius,
                                           std::vector<double>& moved) {
-    const AdjustmentPoint at = evaluator_.at(values);
+    const AdjustmentState at = evaluator_.at(values);
     build(at, radius);
     if (!system_.factorize()) return std::nullopt;
     Eigen::VectorXd delta = -(gradient_ + eliminated_);
@@ -123,7 +123,7 @@ std::optional<double> ReducedSystem::step(const std::vector<double>& values, dou
     return 0.5 * (cameras + move_points(at, radius, delta, moved));
 }
 
-void ReducedSystem::build(const AdjustmentPoint& at, double radius) {
+void ReducedSystem::build(const AdjustmentState& at, double radius) {
     const auto size = static_cast<Eigen::Index>(columns_.count);
     system_.set_zero();
     for (Eigen::VectorXd* vector : {&eliminated_, &gradient_, &squares_}) vector->setZero(size);
@@ -250,7 +250,7 @@ void ReducedSystem::move_cameras(const Eigen::VectorXd& delta, std::vector<doubl
     }
 }
 
-double ReducedSystem::move_points(const AdjustmentPoint& at, double radius,
+double ReducedSystem::move_points(const AdjustmentState& at, double radius,
                                   const Eigen::VectorXd& delta, std::vector<double>& moved) const {
     std::vector<double> gains(batches(), 0.0);
     in_parallel(gains.size(), [&](std::size_t number) {

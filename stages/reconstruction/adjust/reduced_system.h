@@ -66,7 +66,7 @@ class ReducedSystem {
     };
     Stripe stripe(std::size_t number) const;
 
-    void build(const AdjustmentPoint& at, double radius);
+    void build(const AdjustmentState& at, double radius);
     void add_point(const EliminatedPoint& point, const Stripe& stripe);
     /// To rows from `row` on, and the columns of the pose that begins at `column`.
     void add_product(const CouplingRows& left, std::size_t row, const double* right,
@@ -76,7 +76,7 @@ class ReducedSystem {
     void add_priors(const std::vector<double>& values);
     void damp(double radius);
     void move_cameras(const Eigen::VectorXd& delta, std::vector<double>& moved) const;
-    double move_points(const AdjustmentPoint& at, double radius, const Eigen::VectorXd& delta,
+    double move_points(const AdjustmentState& at, double radius, const Eigen::VectorXd& delta,
                        std::vector<double>& moved) const;
 
     const AdjustmentSelection& selection_;
