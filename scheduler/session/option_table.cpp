@@ -31,7 +31,6 @@ struct Retired {
     std::string_view name, now;
 };
 constexpr std::array kRetired{
-    Retired{"solve.policy.converge_up_to", "solve.policy.affordable_up_to"},
     Retired{"solve.policy.places.whole_up_to", "solve.policy.affordable_up_to"}};
 
 const Retired* find_retired(std::string_view name) {

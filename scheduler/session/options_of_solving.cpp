@@ -44,7 +44,7 @@ namespace {
                     "points adjusted together with the cameras, seen by each image; 0: all",     \
                     "ours; docs/accuracy.md"),                                                   \
         PSFM_OPTION(FIELD.thin_from_images, 0, kCount, "images from which only so many are",     \
-                    "ours; docs/accuracy.md"),                                                   \
+                    "ours; docs/notebook, what an adjustment takes"),                            \
         PSFM_OPTION(FIELD.noise.loss, 0, 1000,                                                   \
                     "width of the adjustment's loss, in noises of the model; 0: loss_scale_px",  \
                     "ours, on castle-P19; docs/notebook, noise"),                                \
@@ -66,6 +66,7 @@ constexpr auto kSolvingOptions = std::to_array<NamedOption>({
     PSFM_MOVED_OPTION("solve.eta_grow", solve.policy.full_adjustment.again_when_grown_by, 1e-6, 100, "growth after which all of a model is adjusted", "paper: eta_grow"),
     PSFM_MOVED_OPTION("solve.doubt.max_images", solve.policy.doubt_up_to, 0, 2000, "images up to which a model is compared with others at the end; 0: none is", "ours: the cost grows with the square; docs/notebook, folds at 300"),
     PSFM_OPTION(solve.policy.affordable_up_to, 1, kCount, "images up to which a model is adjusted and asked as a whole when it has grown", "ours, on towns; docs/notebook, thousands of images"),
+    PSFM_OPTION(solve.policy.converge_up_to, 1, kCount, "images up to which that goes to convergence", "ours, on quad-streams; docs/notebook, thousands of images"),
     PSFM_OPTION(solve.policy.large_from, 1, kCount, "images from which new ones are added by what they can change", "ours, on quad-streams; docs/notebook, image by image"),
     PSFM_OPTION(solve.policy.new_start.again_when_grown_by, 0, 100, "growth after which a model that leaves much out is compared with a new one", "ours; not tuned"),
     PSFM_OPTION(solve.policy.places.again_when_grown_by, 0, 100, "growth after which a model of more than affordable_up_to is asked for places again", "ours; not tuned"),

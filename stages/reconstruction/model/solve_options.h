@@ -271,8 +271,8 @@ struct SolveOptions {
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 25, .function_tolerance = 1e-5},
         .max_rounds = 2,
         .points_per_image = 400};
-    /// Of models of more than policy.affordable_up_to, where they have grown or were joined. More
-    /// or longer rounds: slower; fewer: they stay bent by more until they settle.
+    /// Of models of more than policy.converge_up_to that have grown or were joined. More or
+    /// longer rounds: slower; fewer: they stay bent by more until they settle
     /// Ours (docs/notebook/2026-11-25-thousands-of-images.md).
     RefinementOptions large_growth{
         .adjustment = {.loss_scale_px = 1.0, .max_iterations = 5, .function_tolerance = 1e-4},
@@ -281,7 +281,7 @@ struct SolveOptions {
     RefinementOptions settling{.round_tolerance = 1e-4,
                                .images_for_principal_point = 5,
                                .points_per_image = 2500,
-                               .thin_from_images = 80,
+                               .thin_from_images = 200,
                                .noise = {.loss = 3.0, .max_error = 30.0}};
     LensOptions lenses;
     /// Parts joined by consensus, refined by least squares that let far-off edges go. The paper's

@@ -65,9 +65,13 @@ struct SolvePolicy {
     /// and what a new start would have found better; raised: an image takes longer the more there
     /// are. Ours, on quad-streams (docs/notebook/2026-11-25-image-by-image.md).
     std::uint32_t large_from = 200;
-    /// What may be asked, or adjusted as a whole and to convergence, whenever a model has grown:
-    /// larger ones are adjusted where they have grown or were joined, in few steps, since what is
-    /// left there is bending, which takes tens of them; all of them only when they settle; they are
+    /// Models of more are adjusted roughly when they have grown or were joined: from there on what
+    /// is left is bending, which takes tens of steps to undo and is undone when they settle.
+    /// Raised: slower, models bent by less while images stream in. Ours: from 200 on quad-streams
+    /// ends in two parts (docs/notebook/2026-11-25-thousands-of-images.md).
+    std::uint32_t converge_up_to = 500;
+    /// What may be asked or adjusted as a whole whenever a model has grown: larger ones are
+    /// adjusted where they have grown or were joined, all of them only when they settle; they are
     /// asked for places by the schedule below; a new start of theirs waits until they settle where
     /// hardly an edge contradicts; and since they drift, they are asked for open loops. Raised:
     /// slower, drift spreads over the whole model sooner; the paper adjusts all, whatever the size.
@@ -96,7 +100,7 @@ struct SolvePolicy {
         return is_affordable(placed) ? SolveScope::kAll : SolveScope::kJoint;
     }
     SolveEffort effort_of(std::size_t placed) const {
-        return is_affordable(placed) ? SolveEffort::kConverged : SolveEffort::kRough;
+        return placed > converge_up_to ? SolveEffort::kRough : SolveEffort::kConverged;
     }
     bool is_large(std::size_t placed) const { return placed >= large_from; }
     bool may_be_doubted(std::size_t images) const { return images <= doubt_up_to; }

@@ -64,8 +64,9 @@ TEST(StageOptions, PaperPresetSetsThePapersFormula) {
     EXPECT_EQ(stage_options(config)->solve.max_reset_images, 0.0) << "whole clusters only";
     EXPECT_GT(stage_options(config)->solve.policy.large_from, 1000000U) << "no parts of them";
     EXPECT_FALSE(stage_options(config)->solve.plausibility) << "inliers alone";
-    EXPECT_GT(stage_options(config)->solve.policy.affordable_up_to, 1000000U)
+    EXPECT_GT(stage_options(config)->solve.policy.converge_up_to, 1000000U)
         << "to the end, all of it";
+    EXPECT_GT(stage_options(config)->solve.policy.affordable_up_to, 1000000U);
     config.preset = "other";
     EXPECT_EQ(stage_options(config).error().code, ErrorCode::kInvalidArgument);
 }

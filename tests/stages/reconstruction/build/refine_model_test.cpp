@@ -160,39 +160,27 @@ TEST(RefineModel, RoundsBeforeTheLastOneMayBeRough) {
     EXPECT_NEAR(mean_error(one), mean_error(other), 0.02 * mean_error(other));
 }
 
-TEST(RefineChangedModel, TakesFewStepsWithRoughEffort) {
+TEST(RefineGrown, TakesFewStepsForWhatIsLargerThanConvergeUpTo) {
     SolveOptions options;
     options.growth.max_rounds = 3;
     options.growth.max_change = 0.0;
-    for (const auto& [effort, rounds] :
-         {std::pair(SolveEffort::kConverged, 3U), std::pair(SolveEffort::kRough, 1U)}) {
+    const std::vector<std::uint32_t> images{20, 21};
+    for (const auto& [converge_up_to, rounds] :
+         {std::pair(kImages, 3U), std::pair(kImages - 1, 1U)}) {
+        options.policy.converge_up_to = converge_up_to;
         const SceneModel wall(noisy_wall(3));
         wall.disturb(0.005, 4);
         const auto before = poses_of(*wall.model);
-        const auto adjustments = refine_changed_model(*wall.model, effort, held(options));
-        ASSERT_TRUE(adjustments.ok());
-        EXPECT_EQ(*adjustments, rounds);
+        const auto grown = refine_grown(*wall.model, 4, planned(options), held(options));
+        ASSERT_TRUE(grown.ok());
+        EXPECT_EQ(*grown, rounds);
         EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "all of it";
+        const auto joined =
+            refine_joined(*wall.model, {.joined = 1, .images = images, .joint = images},
+                          planned(options), held(options));
+        ASSERT_TRUE(joined.ok());
+        EXPECT_EQ(*joined, rounds);
     }
-}
-
-TEST(RefineGrown, AdjustsAllOfWhatIsAffordableToConvergence) {
-    SolveOptions options;
-    options.growth.max_rounds = 3;
-    options.growth.max_change = 0.0;
-    options.policy.affordable_up_to = kImages;
-    const std::vector<std::uint32_t> images{20, 21};
-    const SceneModel wall(noisy_wall(3));
-    wall.disturb(0.005, 4);
-    const auto before = poses_of(*wall.model);
-    const auto grown = refine_grown(*wall.model, 4, planned(options), held(options));
-    ASSERT_TRUE(grown.ok());
-    EXPECT_EQ(*grown, 3U);
-    EXPECT_GE(moved_images(before, *wall.model).size(), kImages - 1) << "all of it";
-    const auto joined = refine_joined(*wall.model, {.joined = 1, .images = images, .joint = images},
-                                      planned(options), held(options));
-    ASSERT_TRUE(joined.ok());
-    EXPECT_EQ(*joined, 3U);
 }
 
 /// Seconds to a minute of a model of thousands, which a stop does not wait for.

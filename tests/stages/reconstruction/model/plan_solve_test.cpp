@@ -50,14 +50,12 @@ TEST(PlanSolve, StartScopeAndEffortFollowFromSizes) {
         {"mu_min", 3, 0, false, {}, kIncremental, kAll, kConverged},
         {"mu_max", 50, 0, false, {}, kIncremental, kAll, kConverged},
         {"above mu_max", 51, 0, false, {}, kGlobal, kAll, kConverged},
-        {"new and affordable", 1000, 0, false, {}, kGlobal, kAll, kConverged},
+        {"new and large", 501, 0, false, {}, kGlobal, kAll, kRough},
         {"new and very large", 1001, 0, false, {}, kGlobal, kJoint, kRough},
         {"an image more", 100, 99, false, adjusted_with(99), kRecycled, kAll, kConverged},
         {"an image beside many", 201, 200, false, adjusted_with(200), kRecycled, kSurroundings,
          kConverged},
         {"grown by eta_grow", 231, 200, false, adjusted_with(200), kRecycled, kAll, kConverged},
-        {"grown, not yet very large", 1000, 1000, false, adjusted_with(800), kRecycled, kAll,
-         kConverged},
         {"adjusted long ago", 201, 200, false, adjusted_with(174), kRecycled, kAll, kConverged},
         {"beside very many", 1201, 1200, false, adjusted_with(1200), kRecycled, kSurroundings,
          kRough},
@@ -76,7 +74,10 @@ TEST(PlanSolve, StartScopeAndEffortFollowFromSizes) {
 /// As scheduler/presets/paper.txt sets the sizes.
 SolvePolicy without_sizes() {
     constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
-    return {.doubt_up_to = 0, .large_from = kNever, .affordable_up_to = kNever};
+    return {.doubt_up_to = 0,
+            .large_from = kNever,
+            .converge_up_to = kNever,
+            .affordable_up_to = kNever};
 }
 
 TEST(PlanSolve, OfThePaperNothingDependsOnTheSizeButTheStart) {
