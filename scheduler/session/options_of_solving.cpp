@@ -44,7 +44,7 @@ namespace {
                     "points adjusted together with the cameras, seen by each image; 0: all",     \
                     "ours; docs/accuracy.md"),                                                   \
         PSFM_OPTION(FIELD.thin_from_images, 0, kCount, "images from which only so many are",     \
-                    "ours; docs/notebook, what an adjustment takes"),                            \
+                    "ours; docs/accuracy.md"),                                                   \
         PSFM_OPTION(FIELD.noise.loss, 0, 1000,                                                   \
                     "width of the adjustment's loss, in noises of the model; 0: loss_scale_px",  \
                     "ours, on castle-P19; docs/notebook, noise"),                                \
