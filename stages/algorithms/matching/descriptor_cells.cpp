@@ -37,26 +37,19 @@ std::vector<std::uint8_t> sample(const Descriptors& descriptors, std::size_t cel
 
 /// The descriptors that are compared with cells.
 struct Rows {
-    explicit Rows(const Descriptors& of) : descriptors(of), norms(of.rows()), sums(of.rows()) {
-        for (std::size_t i = 0; i < of.rows(); ++i) {
-            const ByteSums row = sums_of(of.row(i));
-            norms[i] = row.squares;
-            sums[i] = row.sum;
-        }
-    }
+    explicit Rows(const Descriptors& of) : descriptors(of), sums(sums_of(of.values)) {}
     /// A product's rows from the given one on, as a kernel reads them.
     DotKernelInput from(std::size_t row) const {
         DotKernelInput input;
         input.rows = descriptors.row(row);
-        input.row_norms = norms.data() + row;
-        input.row_sums = sums.data() + row;
+        input.row_norms = sums.norms.data() + row;
+        input.row_sums = sums.sums.data() + row;
         input.row_count = descriptors.rows() - row;
         return input;
     }
 
     const Descriptors& descriptors;
-    std::vector<std::int32_t> norms;
-    std::vector<std::int32_t> sums;
+    RowSums sums;
 };
 
 /// Which of the rows [begin, end) are compared with which cell.
@@ -149,7 +142,7 @@ class CellComparison {
         for (std::uint32_t i = 0; i < end; ++i) {
             const std::size_t column = of_rows_.index[i];
             if (of_columns_.index[column] != i) continue;
-            const std::int32_t own = rows_.norms[i];
+            const std::int32_t own = rows_.sums.norms[i];
             const double squared = MatchCriteria::squared(of_rows_.best[i], own);
             if (criteria.near_enough(squared) &&
                 criteria.distinct(squared, of_rows_.second[i], own) &&

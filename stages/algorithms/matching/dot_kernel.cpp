@@ -34,15 +34,18 @@ std::vector<NamedDotKernel> available_dot_kernels() {
     // Includes the operating system's consent to save the wide registers.
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512vnni")) {
-        kernels.push_back({"avx512_vnni", dot_kernel_avx512_vnni, distance_kernel_avx512_vnni});
+        kernels.push_back({"avx512_vnni", dot_kernel_avx512_vnni, distance_kernel_avx512_vnni,
+                           row_sums_avx512_vnni});
     }
     if (__builtin_cpu_supports("avx2")) {
         if (has_avx_vnni())
-            kernels.push_back({"avx_vnni", dot_kernel_avx_vnni, distance_kernel_avx_vnni});
-        kernels.push_back({"avx2", dot_kernel_avx2, distance_kernel_avx2});
+            kernels.push_back(
+                {"avx_vnni", dot_kernel_avx_vnni, distance_kernel_avx_vnni, row_sums_avx2});
+        kernels.push_back({"avx2", dot_kernel_avx2, distance_kernel_avx2, row_sums_avx2});
     }
 #endif
-    kernels.push_back({"portable", dot_kernel_portable, distance_kernel_portable});
+    kernels.push_back(
+        {"portable", dot_kernel_portable, distance_kernel_portable, row_sums_portable});
     return kernels;
 }
 

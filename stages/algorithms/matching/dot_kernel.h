@@ -99,10 +99,22 @@ void distance_kernel_avx2(const DotKernelInput& input, StripKeys* keys);
 void distance_kernel_avx_vnni(const DotKernelInput& input, StripKeys* keys);
 void distance_kernel_avx512_vnni(const DotKernelInput& input, StripKeys* keys);
 
+/// Sum of the bytes, and of their squares, of each of `count` descriptors.
+using RowSumsKernel = void (*)(const std::uint8_t* rows, std::size_t count, std::int32_t* sums,
+                               std::int32_t* norms);
+
+void row_sums_portable(const std::uint8_t* rows, std::size_t count, std::int32_t* sums,
+                       std::int32_t* norms);
+void row_sums_avx2(const std::uint8_t* rows, std::size_t count, std::int32_t* sums,
+                   std::int32_t* norms);
+void row_sums_avx512_vnni(const std::uint8_t* rows, std::size_t count, std::int32_t* sums,
+                          std::int32_t* norms);
+
 struct NamedDotKernel {
     std::string_view name;
     DotKernel kernel;
     DistanceKernel distances;
+    RowSumsKernel row_sums;
 };
 
 /// The kernels that this processor and operating system can run, fastest first; never empty.

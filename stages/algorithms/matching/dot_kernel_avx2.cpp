@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <immintrin.h>
-
-#include "stages/algorithms/matching/dot_kernel_loop.h"
+#include "stages/algorithms/matching/dot_kernel_256.h"
 
 namespace psfm {
 namespace {
@@ -10,25 +8,7 @@ namespace {
 /// AVX2 has no exact byte product: vpmaddubsw saturates at 2 * 255 * 128. Bytes are widened in
 /// place to 16 bits instead, the even and the odd ones apart, and multiplied by vpmaddwd, which is
 /// exact.
-struct Avx2Isa {
-    /// Format: 32-bit lanes of a register, and a tile whose sums fit the registers.
-    static constexpr std::size_t kLanes = 8;
-    static constexpr std::size_t kTileRows = 4;
-    static constexpr std::size_t kTileStrips = 1;
-    using Vector = __m256i;
-
-    static Vector set1(std::int32_t value) { return _mm256_set1_epi32(value); }
-    static Vector load(const std::int32_t* from) {
-        return _mm256_load_si256(reinterpret_cast<const __m256i*>(from));
-    }
-    static void store(std::int32_t* to, Vector from) {
-        _mm256_store_si256(reinterpret_cast<__m256i*>(to), from);
-    }
-    static Vector min(Vector a, Vector b) { return _mm256_min_epi32(a, b); }
-    static Vector max(Vector a, Vector b) { return _mm256_max_epi32(a, b); }
-    static Vector sub(Vector a, Vector b) { return _mm256_sub_epi32(a, b); }
-    static Vector times512(Vector a) { return _mm256_slli_epi32(a, 9); }
-
+struct Avx2Isa : Isa256 {
     /// The even bytes of each 16-bit element, sign-extended; odd_signed likewise.
     static Vector even_signed(Vector bytes) {
         return _mm256_srai_epi16(_mm256_slli_epi16(bytes, 8), 8);
@@ -58,6 +38,14 @@ struct Avx2Isa {
     }
 };
 
+/// Of all lanes.
+std::int32_t total(__m256i lanes) {
+    lanes = _mm256_add_epi32(lanes, _mm256_permute2x128_si256(lanes, lanes, 1));
+    lanes = _mm256_add_epi32(lanes, _mm256_shuffle_epi32(lanes, 0x4E));
+    lanes = _mm256_add_epi32(lanes, _mm256_shuffle_epi32(lanes, 0xB1));
+    return _mm256_cvtsi256_si32(lanes);
+}
+
 }  // namespace
 
 void dot_kernel_avx2(const DotKernelInput& input, const DotKernelOutput& output) {
@@ -66,6 +54,25 @@ void dot_kernel_avx2(const DotKernelInput& input, const DotKernelOutput& output)
 
 void distance_kernel_avx2(const DotKernelInput& input, StripKeys* keys) {
     DotLoop<Avx2Isa>(input, {}).write_keys(keys);
+}
+
+void row_sums_avx2(const std::uint8_t* rows, std::size_t count, std::int32_t* sums,
+                   std::int32_t* norms) {
+    const __m256i zero = _mm256_setzero_si256();
+    for (std::size_t i = 0; i < count; ++i, rows += kDescriptorBytes) {
+        __m256i bytes = zero;
+        __m256i squares = zero;
+        for (std::size_t k = 0; k < kDescriptorBytes; k += sizeof(__m256i)) {
+            const __m256i some = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(rows + k));
+            const __m256i even = _mm256_and_si256(some, _mm256_set1_epi16(0xFF));
+            const __m256i odd = _mm256_srli_epi16(some, 8);
+            bytes = _mm256_add_epi32(bytes, _mm256_sad_epu8(some, zero));
+            squares = _mm256_add_epi32(squares, _mm256_madd_epi16(even, even));
+            squares = _mm256_add_epi32(squares, _mm256_madd_epi16(odd, odd));
+        }
+        sums[i] = total(bytes);
+        norms[i] = total(squares);
+    }
 }
 
 }  // namespace psfm

@@ -86,24 +86,17 @@ inline void clear(LaneMinima& minima) {
     }
 }
 
-/// Minima of one row over the 16 lanes of a block of columns, folded into the row's result.
-inline void fold_row(const NearestTwo& of_rows, std::size_t row, const LaneMinima& lanes,
-                     std::size_t first_column) {
-    std::int32_t best = kNoDistance;
-    for (const std::int32_t candidate : lanes.best) best = smaller(best, candidate);
-    std::size_t best_lane = 0;  // the lowest one, that is the lowest column, among equal keys
-    while (lanes.best[best_lane] != best) ++best_lane;
-    std::int32_t second = lanes.second[best_lane];
-    for (std::size_t lane = 0; lane < kStripColumns; ++lane) {
-        second = smaller(second, lane == best_lane ? second : lanes.best[lane]);
-    }
-    const std::size_t column = first_column + position_of(best) * kStripColumns + best_lane;
-    fold(of_rows, row, value_of(best), column, value_of(second));
-}
+/// The lowest two keys of one row over all lanes.
+struct LowestTwo {
+    std::int32_t best;
+    std::int32_t second;
+    std::size_t lane;  ///< of the best; the first, that is of the first column, among equal keys
+};
 
 /// Isa::Vector holds kLanes sums; Isa::Tile is a kTileRows x kTileStrips tile of strips, each in
 /// kStripColumns / kLanes vectors. Isa::add_products(rows, strips, k, sums) adds the products of
-/// bytes k … k + 3, where rows points at byte k of the tile's first row.
+/// bytes k … k + 3, where rows points at byte k of the tile's first row. Isa::lowest_two(lanes) is
+/// asked once for each row and cell: with few columns it takes as long as their products.
 template <typename Isa>
 class DotLoop {
   public:
@@ -133,7 +126,7 @@ class DotLoop {
             column_keys[j / kStripColumns].lane[j % kStripColumns] = column_key(j);
         for (std::size_t begin = 0; begin < in_.row_count; begin += kSliceRows) {
             const std::size_t end = smaller(begin + kSliceRows, in_.row_count);
-            Slice slice{};
+            Slice slice;
             load_slice(begin, begin, end, slice);
             for (std::size_t strip = 0; strip < strips_; strip += Isa::kTileStrips) {
                 for (std::size_t r = 0; r < slice.rows_used; r += Isa::kTileRows) {
@@ -149,13 +142,13 @@ class DotLoop {
     static constexpr std::size_t kParts = kStripColumns / Isa::kLanes;
     static constexpr std::size_t kTileVectors = Isa::kTileStrips * kParts;
 
-    /// Rows side by side, as tiles read them. Those past the end are all zero, so their sums are
-    /// zero and their keys stay at kNoDistance.
+    /// Rows side by side, as tiles read them, in whole tiles. Those past the end are all zero, so
+    /// their sums are zero and their keys stay at kNoDistance.
     struct Slice {
         alignas(64) std::uint8_t rows[kSliceRows * kDescriptorBytes];
         std::int32_t row_keys[kSliceRows];
         std::int32_t row_offsets[kSliceRows];
-        std::size_t rows_used;  ///< whole tiles
+        std::size_t rows_used;
     };
 
     std::size_t number_of(std::size_t row) const {
@@ -170,9 +163,13 @@ class DotLoop {
     }
 
     /// The rows [begin, end), at most kSliceRows, whose positions count from `block`.
-    /// REQUIRES: the slice is all zero.
     void load_slice(std::size_t block, std::size_t begin, std::size_t end, Slice& slice) const {
-        for (std::size_t r = end - begin; r < kSliceRows; ++r) slice.row_keys[r] = kNoDistance;
+        slice.rows_used = (end - begin + Isa::kTileRows - 1) / Isa::kTileRows * Isa::kTileRows;
+        for (std::size_t r = end - begin; r < slice.rows_used; ++r) {
+            std::memset(slice.rows + r * kDescriptorBytes, 0, kDescriptorBytes);
+            slice.row_keys[r] = kNoDistance;
+            slice.row_offsets[r] = 0;
+        }
         for (std::size_t r = 0; r < end - begin; ++r) {
             const std::size_t i = number_of(begin + r);
             std::memcpy(slice.rows + r * kDescriptorBytes, in_.rows + i * kDescriptorBytes,
@@ -181,14 +178,13 @@ class DotLoop {
                 in_.row_norms[i] * kKeyUnit + static_cast<std::int32_t>(begin + r - block);
             slice.row_offsets[r] = 128 * in_.row_sums[i];
         }
-        slice.rows_used = (end - begin + Isa::kTileRows - 1) / Isa::kTileRows * Isa::kTileRows;
     }
 
     /// Rows [begin, end), at most kSliceRows, of the row block that starts at `block`, with the
     /// strips [strip_begin, strip_end) of one column block.
     void run_slice(std::size_t block, std::size_t begin, std::size_t end, std::size_t strip_begin,
                    std::size_t strip_end) {
-        Slice slice{};
+        Slice slice;
         load_slice(block, begin, end, slice);
         LaneMinima row_minima[kSliceRows];
         for (LaneMinima& minima : row_minima) clear(minima);
@@ -198,8 +194,10 @@ class DotLoop {
             }
         }
         for (std::size_t r = 0; r < end - begin; ++r) {
-            fold_row(out_.of_rows, number_of(begin + r), row_minima[r],
-                     in_.first_column + strip_begin * kStripColumns);
+            const LowestTwo lowest = Isa::lowest_two(row_minima[r]);
+            const std::size_t strip = strip_begin + position_of(lowest.best);
+            fold(out_.of_rows, number_of(begin + r), value_of(lowest.best),
+                 in_.first_column + strip * kStripColumns + lowest.lane, value_of(lowest.second));
         }
     }
 

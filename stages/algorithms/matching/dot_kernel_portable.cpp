@@ -58,6 +58,18 @@ struct PortableIsa {
         return out;
     }
 
+    static LowestTwo lowest_two(const LaneMinima& lanes) {
+        LowestTwo lowest{kNoDistance, kNoDistance, 0};
+        for (const std::int32_t candidate : lanes.best)
+            lowest.best = smaller(lowest.best, candidate);
+        while (lanes.best[lowest.lane] != lowest.best) ++lowest.lane;
+        lowest.second = lanes.second[lowest.lane];
+        for (std::size_t lane = 0; lane < kStripColumns; ++lane) {
+            if (lane != lowest.lane) lowest.second = smaller(lowest.second, lanes.best[lane]);
+        }
+        return lowest;
+    }
+
     static void add_products(const std::uint8_t* rows, const Strip* strip, std::size_t k,
                              Vector (&sums)[kTileRows][1]) {
         const std::int8_t* columns = strip->bytes + k * kStripColumns;
@@ -80,6 +92,18 @@ void dot_kernel_portable(const DotKernelInput& input, const DotKernelOutput& out
 
 void distance_kernel_portable(const DotKernelInput& input, StripKeys* keys) {
     DotLoop<PortableIsa>(input, {}).write_keys(keys);
+}
+
+void row_sums_portable(const std::uint8_t* rows, std::size_t count, std::int32_t* sums,
+                       std::int32_t* norms) {
+    for (std::size_t i = 0; i < count; ++i, rows += kDescriptorBytes) {
+        sums[i] = 0;
+        norms[i] = 0;
+        for (std::size_t k = 0; k < kDescriptorBytes; ++k) {
+            sums[i] += rows[k];
+            norms[i] += rows[k] * rows[k];
+        }
+    }
 }
 
 }  // namespace psfm

@@ -31,7 +31,7 @@ Result<void> validate(const MatchOptions& options) {
 PackedDescriptors pack(const Descriptors& descriptors) {
     PackedDescriptors packed;
     packed.rows = descriptors.rows();
-    packed.norms.resize(packed.rows);
+    packed.norms = sums_of(descriptors.values).norms;
     packed.strips.resize(strip_count(packed.rows));
     if (packed.rows % (kStripColumns * kStripGroup) != 0) {
         for (auto strip = packed.strips.end() - kStripGroup; strip != packed.strips.end();
@@ -41,7 +41,6 @@ PackedDescriptors pack(const Descriptors& descriptors) {
     }
     for (std::size_t j = 0; j < packed.rows; ++j) {
         const std::uint8_t* from = descriptors.row(j);
-        packed.norms[j] = sums_of(from).squares;
         std::int8_t* to = packed.strips[j / kStripColumns].bytes + j % kStripColumns * 4;
         for (std::size_t k = 0; k < Descriptors::kSize; k += 4, to += 4 * kStripColumns) {
             // Flipping the top bit of a byte subtracts 128 in two's complement.
@@ -58,14 +57,14 @@ std::vector<FeatureMatch> match_with_kernel(const Descriptors& a, const PackedDe
                                             const MatchOptions& options, DotKernel kernel) {
     std::vector<FeatureMatch> matches;
     if (a.rows() == 0 || b.rows == 0) return matches;
-    const auto [a_norms, of_a, of_b] = nearest_both_ways(a.values, b, kernel);
+    const auto [a_sums, of_a, of_b] = nearest_both_ways(a.values, b, kernel);
     const MatchCriteria criteria(options);
     for (std::uint32_t i = 0; i < a.rows(); ++i) {
         const std::uint32_t j = of_a.index[i];
         if (of_b.index[j] != i) continue;
-        const double squared = MatchCriteria::squared(of_a.best[i], a_norms[i]);
+        const double squared = MatchCriteria::squared(of_a.best[i], a_sums.norms[i]);
         if (criteria.near_enough(squared) &&
-            criteria.distinct(squared, of_a.second[i], a_norms[i]) &&
+            criteria.distinct(squared, of_a.second[i], a_sums.norms[i]) &&
             criteria.distinct(squared, of_b.second[j], b.norms[j]))
             matches.push_back({i, j});
     }

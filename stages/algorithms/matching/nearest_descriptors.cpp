@@ -6,13 +6,12 @@
 #include <utility>
 
 namespace psfm {
-ByteSums sums_of(const std::uint8_t* row) {
-    ByteSums sums;
-    for (std::size_t k = 0; k < Descriptors::kSize; ++k) {
-        sums.sum += row[k];
-        sums.squares += row[k] * row[k];
-    }
-    return sums;
+
+RowSums sums_of(std::span<const std::uint8_t> rows) {
+    const std::size_t count = rows.size() / Descriptors::kSize;
+    RowSums of{std::vector<std::int32_t>(count), std::vector<std::int32_t>(count)};
+    available_dot_kernels().front().row_sums(rows.data(), count, of.sums.data(), of.norms.data());
+    return of;
 }
 
 NearestBothWays nearest_both_ways(std::span<const std::uint8_t> rows,
@@ -20,19 +19,12 @@ NearestBothWays nearest_both_ways(std::span<const std::uint8_t> rows,
     const std::size_t row_count = rows.size() / Descriptors::kSize;
     const std::size_t column_count = columns.rows;
     assert(row_count > 0 && column_count > 0);
-    NearestBothWays nearest{std::vector<std::int32_t>(row_count), NearestArrays(row_count),
-                            NearestArrays(column_count)};
-    std::vector<std::int32_t> row_sums(row_count);
-    for (std::size_t i = 0; i < row_count; ++i) {
-        const auto [sum, squares] = sums_of(rows.data() + i * Descriptors::kSize);
-        row_sums[i] = sum;
-        nearest.row_norms[i] = squares;
-    }
+    NearestBothWays nearest{sums_of(rows), NearestArrays(row_count), NearestArrays(column_count)};
     std::vector<StripKeys> column_keys(strip_count(column_count));
     std::vector<LaneMinima> column_minima(strip_count(column_count));
     const DotKernelInput input{.rows = rows.data(),
-                               .row_norms = nearest.row_norms.data(),
-                               .row_sums = row_sums.data(),
+                               .row_norms = nearest.row_sums.norms.data(),
+                               .row_sums = nearest.row_sums.sums.data(),
                                .row_count = row_count,
                                .strips = columns.strips.data(),
                                .column_norms = columns.norms.data(),

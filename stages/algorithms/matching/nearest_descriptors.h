@@ -25,15 +25,16 @@ struct NearestArrays {
     std::vector<std::uint32_t> index;
 };
 
-/// Of a descriptor's bytes.
-struct ByteSums {
-    std::int32_t sum = 0;
-    std::int32_t squares = 0;
+/// One entry a descriptor.
+struct RowSums {
+    std::vector<std::int32_t> sums;   ///< of its bytes
+    std::vector<std::int32_t> norms;  ///< squared
 };
-ByteSums sums_of(const std::uint8_t* row);
+/// @param rows  descriptors of Descriptors::kSize bytes, one after another
+RowSums sums_of(std::span<const std::uint8_t> rows);
 
 struct NearestBothWays {
-    std::vector<std::int32_t> row_norms;  ///< squared
+    RowSums row_sums;
     NearestArrays of_rows;
     NearestArrays of_columns;
 };

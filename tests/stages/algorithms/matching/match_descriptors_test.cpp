@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "stages/algorithms/matching/match_with_kernel.h"
 #include "tests/stages/verification/random_descriptors.h"
@@ -75,6 +76,21 @@ class EveryKernel : public testing::TestWithParam<NamedDotKernel> {
 
 INSTANTIATE_TEST_SUITE_P(MatchDescriptors, EveryKernel, testing::ValuesIn(available_dot_kernels()),
                          [](const auto& kernel) { return std::string(kernel.param.name); });
+
+TEST_P(EveryKernel, AddsUpEachRowsBytesAndTheirSquares) {
+    for (const auto& [low, high] : {std::pair{0, 255}, {255, 255}, {0, 0}, {120, 135}}) {
+        const Descriptors rows = random_bytes(19, low, high, 9);
+        std::vector<std::int32_t> sums(rows.rows(), -1);
+        std::vector<std::int32_t> norms(rows.rows(), -1);
+        GetParam().row_sums(rows.values.data(), rows.rows(), sums.data(), norms.data());
+        const Descriptors origin = random_bytes(1, 0, 0, 1);
+        for (std::size_t i = 0; i < rows.rows(); ++i) {
+            const std::uint8_t* row = rows.row(i);
+            EXPECT_EQ(sums[i], std::accumulate(row, row + Descriptors::kSize, 0));
+            EXPECT_EQ(norms[i], squared_distance(row, origin.row(0)));
+        }
+    }
+}
 
 TEST_P(EveryKernel, AgreesWithBruteForceForEveryRemainderOfTheTile) {
     const MatchOptions options{.max_ratio = 0.95, .max_distance = 0.7};
