@@ -78,9 +78,10 @@ Indices inliers_of_fundamental(const TwoViewProblem& problem, const Eigen::Matri
 Indices inliers_of_pose(const TwoViewProblem& problem, const Rigid3& cam2_from_cam1,
                         double max_error_px) {
     const Eigen::Matrix3d f = fundamental_from_pose(cam2_from_cam1, problem.intrinsics);
+    const RayMeeting meeting(cam2_from_cam1);
     return select_if(problem.matches.size(), [&](std::uint32_t i) {
         return std::abs(sampson_residual(f, problem.pixels[i])) <= max_error_px &&
-               passes_cheirality(cam2_from_cam1, problem.normalized[i], problem.cheirality_slack);
+               meeting.passes_cheirality(problem.normalized[i], problem.cheirality_slack);
     });
 }
 

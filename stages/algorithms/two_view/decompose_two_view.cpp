@@ -65,30 +65,32 @@ Eigen::Quaterniond rotation_from_homography(const Eigen::Matrix3d& h) {
     return Eigen::Quaterniond(proper(svd.u * svd.v.transpose())).normalized();
 }
 
-RayMeeting meet(const Rigid3& cam2_from_cam1, const PointPair& points) {
-    const Eigen::Vector3d ray1 = cam2_from_cam1.rotation * points.x1.homogeneous().normalized();
-    const Eigen::Vector3d ray2 = points.x2.homogeneous().normalized();
-    const double along1 = cam2_from_cam1.translation.dot(ray1);
-    const double along2 = cam2_from_cam1.translation.dot(ray2);
-    const double cosine = ray1.dot(ray2);
-    // depth2 ray2 = depth1 ray1 + translation in the least-squares sense; both depths times
-    // sin^2(angle).
-    const double depth1 = cosine * along2 - along1;
-    const double depth2 = along2 - cosine * along1;
-    return {depth1 > 0 && depth2 > 0, std::atan2(ray1.cross(ray2).norm(), cosine)};
+bool RayMeeting::is_in_front(const PointPair& points) const {
+    const Eigen::Vector3d ray1 = rotation_ * points.x1.homogeneous();
+    const Eigen::Vector3d ray2 = points.x2.homogeneous();
+    const double along1 = translation_.dot(ray1);
+    const double along2 = translation_.dot(ray2);
+    const double across = ray1.dot(ray2);
+    // depth2 ray2 = depth1 ray1 + translation in the least-squares sense; both depths times the
+    // squared length of the rays' cross product.
+    const double depth1 = across * along2 - along1 * ray2.squaredNorm();
+    const double depth2 = ray1.squaredNorm() * along2 - across * along1;
+    return depth1 > 0 && depth2 > 0;
 }
 
-bool passes_cheirality(const Rigid3& cam2_from_cam1, const PointPair& points, double slack) {
-    const RayMeeting meeting = meet(cam2_from_cam1, points);
-    return meeting.in_front || meeting.angle < slack;
+double RayMeeting::angle(const PointPair& points) const {
+    const Eigen::Vector3d ray1 = rotation_ * points.x1.homogeneous();
+    const Eigen::Vector3d ray2 = points.x2.homogeneous();
+    return std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2));
 }
 
 PoseChoice choose_by_cheirality(std::span<const Rigid3> candidates,
                                 std::span<const PointPair> points) {
     PoseChoice best{candidates.front(), 0};
     for (const Rigid3& candidate : candidates) {
+        const RayMeeting meeting(candidate);
         const auto in_front = static_cast<std::size_t>(std::ranges::count_if(
-            points, [&](const PointPair& p) { return meet(candidate, p).in_front; }));
+            points, [&](const PointPair& p) { return meeting.is_in_front(p); }));
         if (in_front > best.in_front) best = {candidate, in_front};
     }
     return best;
@@ -97,9 +99,10 @@ PoseChoice choose_by_cheirality(std::span<const Rigid3> candidates,
 double median_triangulation_angle_deg(const Rigid3& cam2_from_cam1,
                                       std::span<const PointPair> points) {
     if (points.empty()) return 0.0;
+    const RayMeeting meeting(cam2_from_cam1);
     std::vector<double> angles;
     angles.reserve(points.size());
-    for (const PointPair& p : points) angles.push_back(meet(cam2_from_cam1, p).angle);
+    for (const PointPair& p : points) angles.push_back(meeting.angle(p));
     return degrees_from_radians(upper_median(std::move(angles)));
 }
 

@@ -23,17 +23,28 @@ std::vector<Rigid3> poses_from_homography(const Eigen::Matrix3d& h);
 /// The rotation nearest to a homography of normalised coordinates.
 Eigen::Quaterniond rotation_from_homography(const Eigen::Matrix3d& h);
 
-/// How two rays of a correspondence meet.
-struct RayMeeting {
-    bool in_front = false;  ///< the nearest points of the rays lie in front of both cameras
-    double angle = 0.0;     ///< triangulation angle [rad]
-};
-/// @param points  normalised coordinates
-RayMeeting meet(const Rigid3& cam2_from_cam1, const PointPair& points);
+/// Where the rays of correspondences meet that a relative pose brings together. Points are
+/// normalised coordinates. Immutable.
+class RayMeeting {
+  public:
+    explicit RayMeeting(const Rigid3& cam2_from_cam1)
+        : rotation_(cam2_from_cam1.rotation.toRotationMatrix()),
+          translation_(cam2_from_cam1.translation) {}
 
-/// False when the rays of a correspondence meet behind a camera and do so by more than noise:
-/// rays that are parallel within `slack` [rad] pass, since the sign of their depth is chance.
-bool passes_cheirality(const Rigid3& cam2_from_cam1, const PointPair& points, double slack);
+    /// Whether the nearest points of the rays lie in front of both cameras.
+    bool is_in_front(const PointPair& points) const;
+    /// Triangulation angle [rad].
+    double angle(const PointPair& points) const;
+    /// False when the rays meet behind a camera and do so by more than noise: rays that are
+    /// parallel within `slack` [rad] pass, since the sign of their depth is chance.
+    bool passes_cheirality(const PointPair& points, double slack) const {
+        return is_in_front(points) || angle(points) < slack;
+    }
+
+  private:
+    Eigen::Matrix3d rotation_;
+    Eigen::Vector3d translation_;
+};
 
 /// The candidate with most correspondences in front of both cameras (ties: the first).
 /// REQUIRES: candidates not empty

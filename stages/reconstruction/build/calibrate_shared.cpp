@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "graph/camera_lens.h"
 #include "stages/reconstruction/build/grow_model.h"
 #include "stages/reconstruction/build/initialize_model.h"
 #include "stages/reconstruction/build/refine_model.h"
@@ -120,6 +121,25 @@ Result<std::map<CameraId, Camera>> calibrate_part(const ClusterProblem& part,
     return calibrated;
 }
 
+/// Given intrinsics and those of earlier reconstructions are left alone.
+bool is_open(const Camera& before) {
+    return before.focal_source == FocalSource::kUnknown ||
+           before.focal_source == FocalSource::kExif;
+}
+
+/// Turned photographs have the lens of the others: one that was calibrated is that of both.
+void give_to_twins(const ClusterProblem& problem, const LocalGraph& graph,
+                   std::map<CameraId, Camera>& calibrated) {
+    const auto give = [&](CameraId from, CameraId to) {
+        const auto before = graph.cameras.find(to);
+        if (before == graph.cameras.end() || !is_open(before->second)) return;
+        if (const auto lens = calibrated.find(from); lens != calibrated.end())
+            calibrated.try_emplace(to, with_lens_of(before->second, lens->second));
+    };
+    for (const auto& [twin, camera] : problem.twins) give(twin, camera);
+    for (const auto& [twin, camera] : problem.twins) give(camera, twin);
+}
+
 /// A small model that went wrong shows in the focal length.
 bool is_credible(const Camera& calibrated, const Camera& before, double max_ratio) {
     const double ratio = calibrated.mean_focal() / before.mean_focal();
@@ -139,8 +159,7 @@ Result<std::map<CameraId, Camera>> calibrate_shared_cameras(const ClusterProblem
     std::map<CameraId, std::uint32_t> images;
     for (const ClusterImage& image : problem.images) ++images[image.camera];
     for (const auto& [camera, count] : images) {
-        const FocalSource source = graph.cameras.at(camera).focal_source;
-        if (source != FocalSource::kUnknown && source != FocalSource::kExif) continue;
+        if (!is_open(graph.cameras.at(camera))) continue;
         if (count < options.global.images_to_calibrate || calibrated.contains(camera)) continue;
         const ClusterProblem part =
             part_of(problem, graph, choose_images(problem, graph, camera, options));
@@ -148,12 +167,11 @@ Result<std::map<CameraId, Camera>> calibrate_shared_cameras(const ClusterProblem
         if (!found.ok()) return found.error();
         for (const auto& [id, refined] : *found) {
             const Camera& before = graph.cameras.at(id);
-            const bool wanted = before.focal_source == FocalSource::kUnknown ||
-                                before.focal_source == FocalSource::kExif;
-            if (wanted && is_credible(refined, before, options.global.max_focal_change))
+            if (is_open(before) && is_credible(refined, before, options.global.max_focal_change))
                 calibrated.try_emplace(id, refined);
         }
     }
+    give_to_twins(problem, graph, calibrated);
     return calibrated;
 }
 

@@ -17,8 +17,8 @@ namespace psfm {
 /// see much of each other from different sides are reconstructed incrementally. Averaged rotations
 /// need this beforehand: what intrinsics are wrong by bends every relative rotation the same way,
 /// and a model that starts bent does not straighten out in bundle adjustment (docs/accuracy.md).
-/// @return those of the cameras with enough images that small models determined; given intrinsics
-/// and those of earlier reconstructions are left alone
+/// @return those of the cameras with enough images that small models determined, and of their
+/// twins; given intrinsics and those of earlier reconstructions are left alone
 /// @errors kCancelled
 /// Deterministic.
 Result<std::map<CameraId, Camera>> calibrate_shared_cameras(const ClusterProblem& problem,

@@ -16,26 +16,44 @@ namespace {
 
 using Feature = WorkingModel::Feature;
 
-/// The unregistered image that sees the model best, among those that see more than at their last
-/// try.
-std::optional<std::uint32_t> next_image(const WorkingModel& model,
-                                        const std::vector<std::uint32_t>& points_at_last_try,
-                                        std::uint32_t min_points) {
+/// What an image needs to be placed.
+struct Demand {
+    AbsolutePoseOptions pose;
+    std::uint32_t observations = 0;                 ///< once its surroundings are adjusted
+    std::vector<std::uint32_t> points_at_last_try;  ///< by image
+};
+
+/// Of any image; then of those that are left over, if these are asked for less.
+std::vector<Demand> demands(const SolveOptions& options, std::size_t images) {
+    const std::vector<std::uint32_t> never(images, 0);
+    std::vector<Demand> demands = {
+        {options.absolute_pose, options.absolute_pose.min_inliers, never}};
+    const FewPointsOptions& few = options.few_points;
+    if (few.min_points > 0 && few.min_points < options.absolute_pose.min_inliers) {
+        demands.push_back({options.absolute_pose, few.min_observations, never});
+        demands.back().pose.min_inliers = few.min_points;
+        demands.back().pose.min_inlier_ratio = few.min_inlier_ratio;
+    }
+    return demands;
+}
+
+/// The unregistered image that sees the model best, among those that see more than when the same
+/// was last asked of them.
+std::optional<std::uint32_t> next_image(const WorkingModel& model, const Demand& demand) {
     std::optional<std::uint32_t> best;
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         if (model.registered(image)) continue;
         const std::uint32_t visible = model.visible_points(image);
         // Twenty per cent more points are worth another try.
-        if (visible < min_points || 5 * visible < 6 * points_at_last_try[image]) continue;
+        if (visible < demand.pose.min_inliers || 5 * visible < 6 * demand.points_at_last_try[image])
+            continue;
         if (!best || model.visible_score(image) > model.visible_score(*best)) best = image;
     }
     return best;
 }
 
-bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
-    const Camera& camera = model.camera(image);
-    if (camera.focal_source != FocalSource::kUnknown || model.is_held(model.camera_id(image)))
-        return true;
+/// Whether a placed image has the lens of this one.
+bool lens_is_placed(const WorkingModel& model, std::uint32_t image) {
     for (std::uint32_t other = 0; other < model.image_count(); ++other) {
         if (model.registered(other) &&
             model.lens_of(model.camera_id(other)) == model.lens_of(model.camera_id(image)))
@@ -44,22 +62,9 @@ bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
     return false;
 }
 
-/// What an image needs to be placed.
-struct Demand {
-    AbsolutePoseOptions pose;
-    std::uint32_t observations = 0;  ///< once its surroundings are adjusted
-};
-
-/// Of any image; then of those that are left over, if these are asked for less.
-std::vector<Demand> demands(const SolveOptions& options) {
-    std::vector<Demand> demands = {{options.absolute_pose, options.absolute_pose.min_inliers}};
-    const FewPointsOptions& few = options.few_points;
-    if (few.min_points > 0 && few.min_points < options.absolute_pose.min_inliers) {
-        demands.push_back({options.absolute_pose, few.min_observations});
-        demands.back().pose.min_inliers = few.min_points;
-        demands.back().pose.min_inlier_ratio = few.min_inlier_ratio;
-    }
-    return demands;
+bool camera_is_settled(const WorkingModel& model, std::uint32_t image) {
+    return model.camera(image).focal_source != FocalSource::kUnknown ||
+           model.is_held(model.camera_id(image)) || lens_is_placed(model, image);
 }
 
 /// Pose from the points that the image's features are matched with.
@@ -102,6 +107,14 @@ bool register_image(WorkingModel& model, std::uint32_t image, const ClusterProbl
     return true;
 }
 
+/// What an image that went has told of its lens, unless others have it.
+/// @param camera  what was known before
+void forget_lens(WorkingModel& model, std::uint32_t image, const Camera& camera) {
+    if (lens_is_placed(model, image)) return;
+    model.mutable_camera(model.camera_id(image)) = camera;
+    model.share_lens(model.camera_id(image));
+}
+
 /// Structure around a newly registered image. One whose observations cannot be adjusted has a pose
 /// that is none, and goes.
 /// @return whether the image keeps enough observations
@@ -142,24 +155,27 @@ Result<void> adjust_grown(SolveDraft& draft, const SolveContext& context) {
 
 Result<void> grow_model(SolveDraft& draft, const SolveContext& context, std::uint32_t at_most) {
     WorkingModel& model = draft.model;
-    const std::vector<Demand> asked = demands(context.options);
-    std::vector<std::uint32_t> points_at_last_try(model.image_count(), 0);
+    std::vector<Demand> asked = demands(context.options, model.image_count());
     const std::uint32_t before = draft.statistics.registered;
     while (draft.statistics.registered - before < at_most) {
         std::optional<std::uint32_t> image;
         auto demand = asked.begin();
         for (; demand != asked.end(); ++demand) {
-            image = next_image(model, points_at_last_try, demand->pose.min_inliers);
+            image = next_image(model, *demand);
             if (image) break;
         }
         if (!image) break;
         if (const auto going_on = not_cancelled(context.cancel); !going_on.ok())
             return going_on.error();
-        points_at_last_try[*image] = model.visible_points(*image);
+        demand->points_at_last_try[*image] = model.visible_points(*image);
+        const Camera camera = model.camera(*image);
         if (!register_image(model, *image, context.problem, demand->pose)) continue;
         const auto stays = settle_image(draft, *image, demand->observations, context);
         if (!stays.ok()) return stays.error();
-        if (!*stays) continue;
+        if (!*stays) {
+            forget_lens(model, *image, camera);
+            continue;
+        }
         ++draft.statistics.registered;
         if (const auto adjusted = adjust_grown(draft, context); !adjusted.ok())
             return adjusted.error();

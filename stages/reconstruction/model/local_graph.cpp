@@ -8,6 +8,7 @@
 #include "graph/camera_lens.h"
 #include "stages/algorithms/averaging/average_rotations.h"
 #include "stages/algorithms/focal/calibrate_focals.h"
+#include "stages/algorithms/math/in_parallel.h"
 #include "stages/reconstruction/model/local_numbers.h"
 #include "stages/reconstruction/model/strong_lenses.h"
 #include "stages/verification/with_rotation.h"
@@ -23,14 +24,13 @@ Camera with_focal(Camera verified, const Camera& believed) {
     return verified;
 }
 
-/// That of the one that is known, where one is.
+/// That of the one of which more is known: a model's, then a given one, then EXIF's.
 void give_twins_one_lens(const ClusterProblem& problem, std::map<CameraId, Camera>& cameras) {
     for (const auto& [twin, camera] : problem.twins) {
         const auto first = cameras.find(camera);
         const auto second = cameras.find(twin);
         if (first == cameras.end() || second == cameras.end()) continue;
-        const bool second_knows = first->second.focal_source == FocalSource::kUnknown &&
-                                  second->second.focal_source != FocalSource::kUnknown;
+        const bool second_knows = second->second.focal_source > first->second.focal_source;
         Camera& taught = second_knows ? first->second : second->second;
         taught = with_lens_of(taught, second_knows ? second->second : first->second);
     }
@@ -154,6 +154,42 @@ double weight_of(const TwoViewGeometry& geometry, const SolveOptions& options) {
     return options.plausibility ? inliers * plausibility(geometry, *options.plausibility) : inliers;
 }
 
+/// What the cameras that are believed now leave of pairs; side by side.
+struct SeenPairs {
+    std::vector<VerifiedPairPtr> pairs;
+    std::vector<bool> ambiguous;
+    std::vector<RelativeRotation> rotations;
+    std::size_t of_edges = 0;  ///< as many of them, the first ones, are edges; the others are weak
+};
+
+SeenPairs see_pairs(std::span<const VerifiedPairPtr> edges, std::span<const VerifiedPairPtr> weak,
+                    const ClusterProblem& problem, const LocalGraph& graph,
+                    const SolveOptions& options) {
+    const LocalNumbers numbers(problem);
+    const StrongLenses strong(problem, graph.cameras, options.strong_lenses);
+    std::vector<VerifiedPairPtr> verified(edges.begin(), edges.end());
+    verified.insert(verified.end(), weak.begin(), weak.end());
+    std::vector<VerifiedPairPtr> local(verified.size());
+    in_parallel(verified.size(), [&](std::size_t i) {
+        local[i] = with_cameras(verified[i], problem, numbers, graph, strong, options.verification);
+    });
+    SeenPairs seen;
+    for (std::size_t i = 0; i < verified.size(); ++i) {
+        if (!local[i]) continue;
+        const bool is_weak = i >= edges.size();
+        const ImagePair ids = verified[i]->pair;
+        const TwoViewGeometry& geometry = local[i]->geometry;
+        const double factor = is_weak ? options.weak_edge_weight : 1.0;
+        seen.rotations.push_back({numbers.of(ids.first), numbers.of(ids.second),
+                                  geometry.cam2_from_cam1.rotation,
+                                  factor * weight_of(geometry, options)});
+        seen.ambiguous.push_back(is_ambiguous(*verified[i], is_weak));
+        seen.pairs.push_back(std::move(local[i]));
+        seen.of_edges += is_weak ? 0 : 1;
+    }
+    return seen;
+}
+
 }  // namespace
 
 Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOptions& options) {
@@ -163,36 +199,21 @@ Result<LocalGraph> make_local_graph(const ClusterProblem& problem, const SolveOp
     if (!cameras.ok()) return cameras.error();
     graph.cameras = *std::move(cameras);
     const std::vector<VerifiedPairPtr> of_cluster = pairs_of(problem);
-    std::vector<VerifiedPairPtr> pairs;
-    std::vector<bool> ambiguous;
-    std::vector<RelativeRotation> rotations;
-    const StrongLenses strong(problem, graph.cameras, options.strong_lenses);
-    const auto add = [&](const VerifiedPairPtr& pair, double factor) {
-        VerifiedPairPtr local =
-            with_cameras(pair, problem, numbers, graph, strong, options.verification);
-        if (!local) return;
-        const TwoViewGeometry& geometry = local->geometry;
-        rotations.push_back({numbers.of(pair->pair.first), numbers.of(pair->pair.second),
-                             geometry.cam2_from_cam1.rotation,
-                             factor * weight_of(geometry, options)});
-        pairs.push_back(std::move(local));
-        ambiguous.push_back(is_ambiguous(*pair, factor < 1.0));
-    };
-    for (const VerifiedPairPtr& pair : of_cluster) add(pair, 1.0);
-    const std::size_t of_edges = pairs.size();
-    for (const VerifiedPairPtr& pair : weak_pairs_of(problem)) add(pair, options.weak_edge_weight);
-    const auto averaged = average_rotations(
-        rotations, static_cast<std::uint32_t>(problem.images.size()), options.rotation_averaging);
+    SeenPairs seen = see_pairs(of_cluster, weak_pairs_of(problem), problem, graph, options);
+    const auto averaged =
+        average_rotations(seen.rotations, static_cast<std::uint32_t>(problem.images.size()),
+                          options.rotation_averaging);
     if (!averaged.ok()) return averaged.error();
     graph.rotations = averaged->node_from_reference;
     graph.component = averaged->component;
     std::size_t kept = 0;
-    for (std::size_t edge = 0; edge < pairs.size(); ++edge) {
-        VerifiedPairPtr pair = pairs[edge];
+    for (std::size_t edge = 0; edge < seen.pairs.size(); ++edge) {
+        VerifiedPairPtr pair = seen.pairs[edge];
         if (averaged->residual_deg[edge] > options.max_edge_error_deg)
-            pair = ambiguous[edge] ? as_averaged(pair, problem, numbers, graph, options) : nullptr;
+            pair = seen.ambiguous[edge] ? as_averaged(pair, problem, numbers, graph, options)
+                                        : nullptr;
         if (!pair) continue;
-        kept += edge < of_edges ? 1 : 0;
+        kept += edge < seen.of_edges ? 1 : 0;
         graph.pairs.push_back(std::move(pair));
     }
     std::ranges::sort(graph.pairs, {}, [](const VerifiedPairPtr& pair) { return pair->pair; });

@@ -53,6 +53,9 @@ void WorkingModel::load(const Reconstruction& model) {
     for (const auto& [id, camera] : model.cameras) {
         if (const auto found = cameras_.find(id); found != cameras_.end()) found->second = camera;
     }
+    for (const auto& [twin, camera] : problem_->twins) {
+        if (!model.cameras.contains(camera) && model.cameras.contains(twin)) share_lens(twin);
+    }
     append(model, Sim3());
 }
 

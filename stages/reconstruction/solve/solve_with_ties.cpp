@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/solve/solve_with_ties.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "stages/reconstruction/checks/judge_ties.h"
+#include "stages/reconstruction/model/local_numbers.h"
 #include "stages/reconstruction/model/plan_solve.h"
 
 namespace psfm {
@@ -60,6 +62,18 @@ Result<SolveAttempt> settle_ties(SolveAttempt attempt, CameraTies ties,
     return attempt;
 }
 
+/// Whether a model that came along has an image of the problem with another camera than it was
+/// accepted with.
+bool has_foreign_cameras(const ClusterProblem& problem) {
+    const LocalNumbers numbers(problem);
+    return std::ranges::any_of(problem.recycled, [&](const auto& model) {
+        return std::ranges::any_of(model->images, [&](const RegisteredImage& image) {
+            const auto local = numbers.find(image.image);
+            return local && problem.images[*local].camera != image.camera;
+        });
+    });
+}
+
 bool is_new(const SolveAttempt& attempt) {
     return attempt.statistics.kind == SolveKind::kNew || attempt.statistics.reset.has_value();
 }
@@ -68,7 +82,11 @@ bool is_new(const SolveAttempt& attempt) {
 
 Result<SolveAttempt> solve_with_ties(const ClusterProblem& problem, const SolveOptions& options,
                                      const AttemptSolve& attempt_solve) {
-    if (problem.alike.empty() || problem.fix_intrinsics) return attempt_solve(problem);
+    if (problem.alike.empty() || problem.fix_intrinsics) {
+        // Models may come from where cameras were tied.
+        return attempt_solve(has_foreign_cameras(problem) ? tied(problem, untied(problem))
+                                                          : problem);
+    }
     CameraTies ties = recycled_ties(problem);  // step 1 of solve_cluster
     auto attempt = attempt_solve(tied(problem, ties));
     if (!attempt.ok() || has_places(*attempt)) return attempt;

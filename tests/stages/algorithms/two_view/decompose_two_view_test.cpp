@@ -68,13 +68,19 @@ TEST(DecomposeTwoView, RotationOfAHomographyIgnoresItsScaleAndSign) {
 TEST(DecomposeTwoView, RaysMeetInFrontOrBehind) {
     const Rigid3 sideways{Eigen::Quaterniond::Identity(), {-1, 0, 0}};
     // A point at (0, 0, 2) is seen at x = 0 and at x = -0.5.
-    const RayMeeting front = meet(sideways, {{0, 0}, {-0.5, 0}});
-    EXPECT_TRUE(front.in_front);
-    EXPECT_NEAR(front.angle, std::atan(0.5), 1e-12);
-    EXPECT_FALSE(meet(sideways, {{0, 0}, {0.5, 0}}).in_front);
-    EXPECT_FALSE(passes_cheirality(sideways, {{0, 0}, {0.5, 0}}, 0.01));
-    EXPECT_TRUE(passes_cheirality(sideways, {{0, 0}, {0.001, 0}}, 0.01))
+    const RayMeeting meeting(sideways);
+    EXPECT_TRUE(meeting.is_in_front({{0, 0}, {-0.5, 0}}));
+    EXPECT_NEAR(meeting.angle({{0, 0}, {-0.5, 0}}), std::atan(0.5), 1e-12);
+    EXPECT_FALSE(meeting.is_in_front({{0, 0}, {0.5, 0}}));
+    EXPECT_FALSE(meeting.passes_cheirality({{0, 0}, {0.5, 0}}, 0.01));
+    EXPECT_TRUE(meeting.passes_cheirality({{0, 0}, {0.001, 0}}, 0.01))
         << "parallel within the slack";
+    // One on its way to the point, the other away from it: in front of one camera only.
+    const RayMeeting forward({Eigen::Quaterniond::Identity(), {0, 0, -3}});
+    EXPECT_FALSE(forward.is_in_front({{0.5, 0}, {-1, 0}})) << "(1, 0, 2) lies behind the second";
+    EXPECT_FALSE(
+        RayMeeting({Eigen::Quaterniond::Identity(), {0, 0, 3}}).is_in_front({{-1, 0}, {0.5, 0}}))
+        << "(1, 0, -1) lies behind the first";
 }
 
 TEST(DecomposeTwoView, MedianAngleOfNothingIsZero) {
@@ -95,7 +101,7 @@ TEST(InvertTwoViewGeometry, TwiceIsTheIdentityAndOnceFitsTheSwappedPoints) {
     EXPECT_NEAR(inverted.cam2_from_cam1.translation.norm(), 1.0, 1e-12);
     for (const PointPair& p : points_of(views)) {
         EXPECT_LT(std::abs(sampson_residual(inverted.matrix, {p.x2, p.x1})), 1e-6);
-        EXPECT_TRUE(meet(inverted.cam2_from_cam1, {p.x2, p.x1}).in_front);
+        EXPECT_TRUE(RayMeeting(inverted.cam2_from_cam1).is_in_front({p.x2, p.x1}));
     }
     const TwoViewGeometry again = invert(inverted);
     EXPECT_EQ(again.inliers, geometry.inliers);

@@ -97,6 +97,29 @@ TEST_F(CalibrateShared, LeavesAloneWhatIsKnownOrCannotBe) {
     EXPECT_TRUE(calibrate().empty());
 }
 
+TEST_F(CalibrateShared, TurnedPhotographsTellTheLensOfTheFewOthers) {
+    constexpr CameraId kOwner{77};
+    constexpr CameraId kOther{78};
+    const auto [twin, truth] = *scene_.cameras.begin();
+    for (const CameraId few : {kOwner, kOther}) {
+        scene_.cameras[few] = truth;
+        believed_[few] = believed_.at(twin);
+    }
+    scene_.images[0].camera = scene_.images[1].camera = kOwner;
+    scene_.images[2].camera = kOther;
+    make_problem();
+    EXPECT_EQ(calibrate().size(), 1U) << "too few of the others";
+    problem_.twins = {{twin, kOwner}, {kOther, kOwner}};
+    const auto calibrated = calibrate();
+    ASSERT_EQ(calibrated.size(), 3U);
+    EXPECT_NEAR(calibrated.at(twin).fx(), truth.fx(), 0.01 * truth.fx());
+    EXPECT_EQ(calibrated.at(kOwner).params, calibrated.at(twin).params);
+    EXPECT_EQ(calibrated.at(kOther).params, calibrated.at(twin).params);
+
+    graph_.cameras.at(kOwner).focal_source = FocalSource::kGiven;
+    EXPECT_FALSE(calibrate().contains(kOwner));
+}
+
 TEST_F(CalibrateShared, StopsOnRequest) {
     const std::atomic<bool> cancel{true};
     const auto calibrated = calibrate_shared_cameras(problem_, graph_, {}, &cancel);

@@ -104,6 +104,48 @@ TEST(GrowModel, FewerPointsThanThatAreNoPose) {
     EXPECT_EQ(solution->waiting.front().first, kLast);
 }
 
+/// The ring's last image as one of another camera, of which nothing is known, and `matches` with
+/// the last but one are all that it has.
+ClusterProblem with_own_camera_of_last(SyntheticScene& scene, std::size_t matches) {
+    constexpr CameraId kOwn{77};
+    const Camera known = scene.cameras.begin()->second;
+    scene.images[index_of(kLast)].camera = kOwn;
+    scene.cameras[kOwn] = make_camera(known.width, known.height, known.fx(), FocalSource::kUnknown);
+    std::vector<VerifiedPairPtr> pairs = synthetic::make_verified_pairs(scene);
+    std::erase_if(pairs, [](const VerifiedPairPtr& pair) {
+        return has(pair->pair, kLast) && !has(pair->pair, kLastButOne);
+    });
+    for (VerifiedPairPtr& pair : pairs) {
+        if (!has(pair->pair, kLast)) continue;
+        VerifiedPair thinned = *pair;
+        thinned.geometry.inliers.resize(matches);
+        pair = std::make_shared<const VerifiedPair>(std::move(thinned));
+    }
+    return problem_of(scene, std::move(pairs));
+}
+
+TEST(GrowModel, AnImageThatDoesNotStayTellsNothingOfItsLens) {
+    SyntheticScene scene = synthetic::add_pixel_noise(
+        synthetic::make_scene(synthetic::ring_around_sphere(12), 1), 0.3, 2);
+    const ClusterProblem problem = with_own_camera_of_last(scene, 18);
+    const SolveOptions options;
+    const auto graph = make_local_graph(problem, options);
+    ASSERT_TRUE(graph.ok());
+    const CorrespondenceGraph matches = correspondences_of(problem, *graph);
+    SolveDraft draft{WorkingModel(problem, matches), {}, {}};
+    std::vector<ImageId> others;
+    for (std::uint32_t image = 0; image < 11; ++image) others.push_back(ImageId{image});
+    draft.model.load(synthetic::true_reconstruction(scene, Sim3{}, others));
+    const Camera before = draft.model.camera(11);
+    ASSERT_EQ(before.focal_source, FocalSource::kUnknown);
+    ASSERT_GE(draft.model.visible_points(11), options.few_points.min_points);
+    ASSERT_LT(draft.model.visible_points(11), options.few_points.min_observations);
+
+    ASSERT_TRUE(grow_model(draft, {problem, *graph, options, nullptr}).ok());
+    ASSERT_FALSE(draft.model.registered(11)) << "it has a pose, and too few observations";
+    EXPECT_EQ(draft.model.camera(11), before);
+}
+
 /// A ring's true model, some images taken out of it.
 class GrowAModel : public testing::Test {
   protected:

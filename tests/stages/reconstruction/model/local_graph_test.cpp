@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "stages/algorithms/math/angles.h"
@@ -48,6 +49,27 @@ TEST(LocalGraph, StartsFromTheIntrinsicsThatAreKnownBest) {
     }
     problem.calibrated[CameraId{77}] = accepted;
     EXPECT_FALSE(make_local_graph(problem, {})->cameras.contains(CameraId{77}));
+}
+
+TEST(LocalGraph, TurnedPhotographsHaveTheLensOfWhichMoreIsKnown) {
+    ClusterProblem problem = ring_problem();
+    const auto [owner, accepted] = *problem.cameras.begin();
+    constexpr CameraId kTwin{77};
+    problem.twins[kTwin] = owner;
+    problem.images.back().camera = kTwin;
+    const auto focals = [&](FocalSource of_owner, FocalSource of_twin) {
+        problem.cameras[owner] = with_focal(accepted, 800.0);
+        problem.cameras[owner].focal_source = of_owner;
+        problem.cameras[kTwin] = with_focal(accepted, 900.0);
+        problem.cameras[kTwin].focal_source = of_twin;
+        const auto graph = make_local_graph(problem, {});
+        EXPECT_TRUE(graph.ok());
+        return std::pair(graph->cameras.at(owner).fx(), graph->cameras.at(kTwin).fx());
+    };
+    EXPECT_EQ(focals(FocalSource::kExif, FocalSource::kExif), std::pair(800.0, 800.0));
+    EXPECT_EQ(focals(FocalSource::kExif, FocalSource::kEstimated), std::pair(900.0, 900.0));
+    EXPECT_EQ(focals(FocalSource::kEstimated, FocalSource::kExif), std::pair(800.0, 800.0));
+    EXPECT_EQ(focals(FocalSource::kUnknown, FocalSource::kExif), std::pair(900.0, 900.0));
 }
 
 /// Two parts of a ring. True edges between them are few; most pairs across look as if one part

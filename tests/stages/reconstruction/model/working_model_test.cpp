@@ -40,5 +40,23 @@ TEST(WorkingModel, SavesNoPointBehindACameraOfIts) {
     }
 }
 
+TEST(WorkingModel, ALensThatAModelHasOfTurnedPhotographsIsThatOfTheOthersToo) {
+    SceneModel of(synthetic::make_scene(synthetic::ring_around_sphere(8), 1));
+    Reconstruction placed = of.model->save();
+    placed.images.pop_back();
+    const CameraId twin = of.problem.images.front().camera;
+    constexpr CameraId kOwner{77};
+    Camera lens = of.problem.cameras.at(twin);
+    of.problem.twins[twin] = kOwner;
+    of.problem.cameras[kOwner] = lens;
+    of.problem.images.back().camera = kOwner;
+    WorkingModel model(of.problem, *of.matches);
+    lens.params[0] += 10.0;
+    placed.cameras = {{twin, lens}};
+    model.load(placed);
+    EXPECT_EQ(model.camera(0).fx(), lens.fx());
+    EXPECT_EQ(model.camera(7).fx(), lens.fx()) << "not placed yet";
+}
+
 }  // namespace
 }  // namespace psfm
