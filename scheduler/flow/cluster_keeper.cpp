@@ -36,9 +36,11 @@ ClusterPairEdgesPtr verified_between(const EdgeSelection& selection, const Clust
     return cluster_pair_edges(a.id, b.id, std::move(edges), std::move(weak));
 }
 
+/// As far as they can in this process.
 bool all_settled(const ClusterTable& clusters) {
     return std::ranges::all_of(clusters.entries(), [](const auto& entry) {
-        return !entry.second.published.model || entry.second.published.settled;
+        const PublishedModel& published = entry.second.published;
+        return !published.model || published.settled || entry.second.failure;
     });
 }
 
@@ -176,9 +178,10 @@ Result<StoredEdit> ClusterKeeper::apply(const ClusteringEdit& edit, const EdgeCh
     const auto awake = state_->models.use(cut, state_->clusters, *store_);
     if (!awake.ok()) return awake.error();
     const std::size_t untouched = state_->clusters.entries().size();
+    const std::set<ClusterId> grown_up = growing_up(edit);
     std::vector<ClusterId> rehosted;
-    const std::vector<ClusterChange> changes =
-        state_->clusters.apply(edit, [&] { rehosted = update_hosts(edges.images, edit); });
+    const std::vector<ClusterChange> changes = state_->clusters.apply(
+        edit, [&] { rehosted = update_hosts(edges.images, edit, grown_up); });
     const auto awake_again = state_->models.use(rehosted, state_->clusters, *store_);
     if (!awake_again.ok()) return awake_again.error();
     state_->clusters.leave_out_who_left(rehosted);
@@ -216,8 +219,23 @@ std::vector<ClusterId> ClusterKeeper::clusters_resting_on(std::span<const ImageP
     return {clusters.begin(), clusters.end()};
 }
 
+std::set<ClusterId> ClusterKeeper::growing_up(const ClusteringEdit& edit) const {
+    const auto makes_model = [&](const std::vector<ImageId>& members) {
+        return options_->solve.policy.makes_model(members.size());
+    };
+    std::set<ClusterId> clusters;
+    for (const ClusterMembers& changed : edit.changed) {
+        const auto before = state_->clusters.entries().find(changed.id);
+        const bool was_large = before != state_->clusters.entries().end() &&
+                               makes_model(before->second.membership.members);
+        if (!was_large && makes_model(changed.members)) clusters.insert(changed.id);
+    }
+    return clusters;
+}
+
 std::vector<ClusterId> ClusterKeeper::update_hosts(std::span<const ImageId> touched,
-                                                   const ClusteringEdit& edit) {
+                                                   const ClusteringEdit& edit,
+                                                   const std::set<ClusterId>& grown_up) {
     const std::uint32_t mu_min = options_->solve.policy.mu_min;
     std::vector<ImageId> changed(touched.begin(), touched.end());
     std::vector<ClusterId> clusters = edit.removed;
@@ -226,11 +244,9 @@ std::vector<ClusterId> ClusterKeeper::update_hosts(std::span<const ImageId> touc
     }
     for (const ClusterMembers& cluster : edit.changed) {
         clusters.push_back(cluster.id);
-        // A cluster that has just become large enough was in parts below mu_min before.
-        const bool is_new_host = state_->clusters.entries().at(cluster.id).published.revision == 0;
-        if (!options_->solve.policy.makes_model(cluster.members.size()) || is_new_host) {
+        const bool is_small = !options_->solve.policy.makes_model(cluster.members.size());
+        if (is_small || grown_up.contains(cluster.id))
             changed.insert(changed.end(), cluster.members.begin(), cluster.members.end());
-        }
     }
     for (const ClusterId id : clusters)
         std::ranges::copy(state_->clusters.hosts().guests_of(id), std::back_inserter(changed));
@@ -253,7 +269,7 @@ std::vector<ClusterId> ClusterKeeper::adopt(const MergedMessage& message) {
         const auto host = state_->clusters.entries().find(adoption.host);
         // What was found may be outdated: then the next merge tries again.
         const bool is_current =
-            own.id == tried->tried_by && own.phase == ClusterPhase::kClean &&
+            own.id == tried->tried_by && is_solved(own) &&
             (!own.published.model || own.published.model->find(adoption.image) == nullptr) &&
             host != state_->clusters.entries().end() &&
             options_->solve.policy.makes_model(host->second.membership.members.size());

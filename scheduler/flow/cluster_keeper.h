@@ -67,9 +67,14 @@ class ClusterKeeper {
     /// Takes over what changed in the clustering, because of these edges.
     Result<StoredEdit> apply(const ClusteringEdit& edit, const EdgeChanges& edges,
                              const std::set<ClusterId>& others);
-    /// Guests of large clusters after a change. @return clusters that got or lost one
+    /// Clusters that an edit makes large enough for a model: their images were in parts below
+    /// mu_min before, or in other clusters. REQUIRES: the table does not know of the edit yet
+    std::set<ClusterId> growing_up(const ClusteringEdit& edit) const;
+    /// Guests of large clusters after a change. @param grown_up  by this change
+    /// @return clusters that got or lost one
     std::vector<ClusterId> update_hosts(std::span<const ImageId> touched,
-                                        const ClusteringEdit& edit);
+                                        const ClusteringEdit& edit,
+                                        const std::set<ClusterId>& grown_up);
     /// Clusters with a model that lost an edge between two of their images. @param except  these
     /// not
     std::vector<ClusterId> clusters_resting_on(std::span<const ImagePair> removed,

@@ -21,7 +21,8 @@ Committer::Committer(SessionStore& store, SessionConfig config, const StageOptio
       reports_(config_, state_, outbox_),
       intake_(store, config_, options_, state_, reports_, outbox_),
       keeper_(store, options_, state_, outbox_),
-      pace_(pace) {
+      pace_(pace),
+      coalesced_before_(state_.counts.solves_coalesced) {
     state_.photographs.keypoints.set_budget(pace.idle_bytes);
     state_.models.set_budget(pace.idle_bytes);
 }
@@ -143,7 +144,8 @@ Result<void> Committer::advance(CommitOutput& output) {
         output.merge = *std::move(merge);
     }
     const bool caught_up = !state_.clusters.busy() && !changed_ && !merging_;
-    if (catching_up_ && (caught_up || !config_.deterministic)) {
+    // A batch catches up with its last image.
+    if (catching_up_ && (caught_up || hold || !config_.deterministic)) {
         catching_up_ = false;
         ++outbox_.images_released;
     }

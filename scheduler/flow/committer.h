@@ -76,7 +76,9 @@ class Committer {
     /// A solution becomes its cluster's, and is committed. @return whether what it says of places
     /// has changed clusters @errors those of the store
     Result<bool> take_solution(const SolvedMessage& message);
-    /// The contrary: its cluster is solved again, from what the store has.
+    /// A solve failed: nothing is stored, so that the next process tries it again.
+    void fail(const SolvedMessage& message);
+    /// A solution is left out of account: its cluster is solved again, from what the store has.
     void give_up(const SolvedMessage& message);
     /// @errors those of the store
     Result<void> advance(CommitOutput& output);
@@ -112,6 +114,7 @@ class Committer {
     Intake intake_;
     ClusterKeeper keeper_;
     CommitterPace pace_;
+    std::uint32_t coalesced_before_ = 0;  // solves, in earlier processes
     std::uint64_t photos_seen_ = 0;
     std::optional<std::uint64_t> photos_before_idle_;  // none: photographs have been waiting always
     std::optional<std::uint64_t> photos_before_rest_;  // none: none has been awaited for long

@@ -54,6 +54,7 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     for (const ClusterId id : keeper_.adopt(message))
         adopting.push_back(keeper_.stored(state_.clusters.entries().at(id)));
     count(*scene);
+    state_.scene = scene;  // its summary says of models what holds in it
     stored_version.version = scene->version;
     stored_version.image_count = scene->image_count;
     stored_version.effective_clusters = scene->effective_clusters;
@@ -62,7 +63,6 @@ Result<void> Committer::on(const MergedMessage& message, CommitOutput& output) {
     if (const auto done = store_->commit_scene(stored_version, adopting); !done.ok())
         return done.error();
     state_.merges.remember(merged);
-    state_.scene = scene;
     PublishMessage publish;
     publish.scene = scene;
     publish.counts = state_.counts;
@@ -75,7 +75,7 @@ void Committer::count(const Scene& scene) {
     SessionCounts& counts = state_.counts;
     counts.images = state_.photographs.image_count();
     counts.placed = static_cast<std::uint32_t>(placed_count(scene));
-    counts.waiting = counts.images - counts.placed;
+    counts.waiting = counts.images - std::min(counts.images, counts.placed);
     counts.rejected = static_cast<std::uint32_t>(state_.photographs.rejected.size());
     counts.clusters =
         static_cast<std::uint32_t>(std::ranges::count_if(scene.clusters, [](const auto& cluster) {
@@ -83,7 +83,7 @@ void Committer::count(const Scene& scene) {
         }));
     counts.effective_clusters = scene.effective_clusters;
     counts.version = scene.version;
-    counts.solves_coalesced = state_.clusters.coalesced();
+    counts.solves_coalesced = coalesced_before_ + state_.clusters.coalesced();
 }
 
 }  // namespace psfm

@@ -27,7 +27,8 @@ Result<void> Committer::start_solves(const std::vector<const ClusterEntry*>& clu
     for (const ClusterEntry* entry : clusters) {
         auto problem = problem_of(*entry, settle);
         if (!problem.ok()) return problem.error();
-        const bool is_interim = settle && photos_before_rest_ && photos_expected_ != photos_seen_;
+        const bool is_interim = settle && !config_.deterministic && photos_before_rest_ &&
+                                photos_expected_ != photos_seen_;
         output.solves.push_back({*std::move(problem), is_interim});
         ++solving_;
     }
@@ -81,19 +82,24 @@ void Committer::give_up(const SolvedMessage& message) {
                                             /*published=*/false));
 }
 
-Result<bool> Committer::take_solution(const SolvedMessage& message) {
-    ClusterSolution solution;
-    if (message.solution->ok()) {
-        solution = message.solution->value();
+void Committer::fail(const SolvedMessage& message) {
+    if (message.problem->settle) {
+        --settling_;
     } else {
-        // A failed solve leaves its images waiting; the next change of the cluster tries again.
-        solution.cluster = message.problem->cluster;
-        solution.topology = message.problem->topology;
-        solution.model = message.problem->recycled.empty()
-                             ? std::make_shared<const Reconstruction>()
-                             : message.problem->recycled.front();
-        solution.state = message.problem->recycled_state;
+        changed_ = true;  // images that it does not place are reported with the next version
     }
+    state_.clusters.fail(*message.problem, message.solution->error());
+    outbox_.events.push_back(describe_solve(*message.problem, *message.solution, ClusterSolution{},
+                                            /*published=*/false));
+}
+
+Result<bool> Committer::take_solution(const SolvedMessage& message) {
+    // Expected: not enough memory, or a library's exception; run_session tells of it at its end
+    if (!message.solution->ok()) {
+        fail(message);
+        return false;
+    }
+    ClusterSolution solution = message.solution->value();
     if (message.problem->settle) --settling_;
     const SolveStatistics& statistics = solution.statistics;
     switch (statistics.kind) {
@@ -119,8 +125,7 @@ Result<bool> Committer::take_solution(const SolvedMessage& message) {
     }
     if (auto cameras = describe_cameras(*message.problem, solution, state_.photographs.images))
         outbox_.tell(*std::move(cameras), state_);
-    const ClusterEntry* entry =
-        state_.clusters.finish(*message.problem, solution, message.solution->ok());
+    const ClusterEntry* entry = state_.clusters.finish(*message.problem, solution);
     outbox_.events.push_back(
         describe_solve(*message.problem, *message.solution, solution, entry != nullptr));
     changed_ = true;

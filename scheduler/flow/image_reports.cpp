@@ -44,10 +44,13 @@ void ImageReports::verify(const VerifiedMessage& message, double cluster_ms) {
 }
 
 void ImageReports::release_early(PendingImage& verified) {
-    if (config_->deterministic || !verified.admitted) return;
-    const auto waiting = std::ranges::count_if(
-        state_->pending, [](const auto& p) { return p.second.verified && !p.second.admitted; });
-    if (static_cast<std::uint32_t>(waiting) >= state_->verified / kImagesPerWaiting) return;
+    if (!verified.admitted) return;
+    if (!config_->batch) {
+        if (config_->deterministic) return;
+        const auto waiting = std::ranges::count_if(
+            state_->pending, [](const auto& p) { return p.second.verified && !p.second.admitted; });
+        if (static_cast<std::uint32_t>(waiting) >= state_->verified / kImagesPerWaiting) return;
+    }
     verified.admitted = false;
     ++outbox_->images_released;
 }
@@ -85,7 +88,10 @@ void ImageReports::publish(const MergeProblem& problem, double merge_ms, Publish
     }
     // Reports leave in order of arrival: one that is ready waits for those before it.
     while (!state_->pending.empty() && state_->pending.begin()->second.published) {
-        publish.images.push_back(state_->pending.begin()->second.report);
+        const auto& [index, pending] = *state_->pending.begin();
+        // Of one that was taken out meanwhile nobody is told.
+        if (!state_->photographs.is_removed(static_cast<ImageId>(index)))
+            publish.images.push_back(pending.report);
         state_->pending.erase(state_->pending.begin());
     }
 }

@@ -35,7 +35,8 @@ class ImageReports {
 
   private:
     /// The next image may come in although this one is not published yet: what a version costs
-    /// grows with the session, and so may the number of images that share it.
+    /// grows with the session, and so may the number of images that share it. All images of a batch
+    /// do.
     void release_early(PendingImage& verified);
 
     const SessionConfig* config_;

@@ -165,7 +165,7 @@ std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const Sess
 std::vector<UnplacedImage> unplaced_images(const SessionState& state, const SessionConfig& config) {
     std::vector<UnplacedImage> unplaced;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        if (entry.phase != ClusterPhase::kClean || entry.published.revision == 0) continue;
+        if (!is_solved(entry) || entry.published.revision == 0) continue;
         for (const ImageId image_id : state.clusters.unplaced_of(entry)) {
             if (state.clusters.hosts().is_adopted(image_id)) continue;
             const Image& image = state.photographs.images[index_of(image_id)];

@@ -15,6 +15,7 @@
 #include "scheduler/flow/memory_budget.h"
 #include "scheduler/flow/session_graph.h"
 #include "scheduler/front_end/front_end.h"
+#include "scheduler/report/describe_events.h"
 #include "scheduler/report/node_times.h"
 #include "scheduler/session/session_state.h"
 
@@ -153,9 +154,12 @@ Result<std::unique_ptr<FrontEnd>> make_front_end(const SessionStore& store,
     FrontEndParts parts{&store, &options, config.seed, {}, extract};
     if (!config.deterministic) parts.independent_vocabulary = execution.independent_vocabulary;
     for (std::uint32_t i = 0; i < state.verified; ++i)
-        parts.committed.push_back({state.photographs.images[i],
-                                   state.photographs.cameras.at(state.photographs.images[i].camera),
-                                   state.photographs.is_removed(static_cast<ImageId>(i))});
+        parts.committed.push_back(
+            {state.photographs.images[i],
+             state.photographs.cameras.at(state.photographs.images[i].camera)});
+    for (const Image& image : state.photographs.images) {
+        if (state.photographs.is_removed(image.id)) parts.removed.insert(image.id);
+    }
     Result<std::unique_ptr<FrontEnd>> front_end = Error{};
     arena.execute([&] {
         front_end =
@@ -191,10 +195,11 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     SessionGraph::Parts parts;
     parts.committed_images = restored->state.verified;
     Admission photo_tokens(config.deterministic ? 1 : execution.photos_ahead + threads);
-    // A batch publishes nothing before its last image: it must not wait for that.
-    Admission image_tokens(config.batch           ? std::numeric_limits<int>::max()
-                           : config.deterministic ? 1
-                                                  : execution.images_in_flight);
+    // Deterministic: what is a candidate depends on which images have been verified. A batch
+    // publishes nothing before its last image: it must not wait for that.
+    Admission image_tokens(config.deterministic ? 1
+                           : config.batch       ? std::numeric_limits<int>::max()
+                                                : execution.images_in_flight);
     Committer committer(store, config, *options, std::move(restored->state),
                         {.idle_bytes = execution.idle_bytes,
                          .settle_at_once = 2 * static_cast<std::size_t>(threads),
@@ -232,6 +237,8 @@ Result<SessionRun> run_session(SessionStore& store, const SessionConfig& config,
     run.usage.threads = threads;
     run.weak = weak_models(committer.state());
     run.remarks = std::move(restored->remarks);
+    if (auto failures = describe_failures(committer.state().clusters))
+        run.remarks.push_back(*std::move(failures));
     for (const auto& [image, reason] : waiting_images(committer.state())) {
         run.waiting.emplace_back(committer.state().photographs.images[index_of(image)].name,
                                  reason);

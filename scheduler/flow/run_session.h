@@ -58,7 +58,7 @@ struct SessionRun {
         waiting;                       ///< names of images in no model, with the reason
     std::vector<WeakModel> weak;       ///< models that are not to be trusted far
     GraphUsage usage;                  ///< what the nodes of the flow graph did
-    std::vector<std::string> remarks;  ///< RestoredSession::remarks
+    std::vector<std::string> remarks;  ///< RestoredSession::remarks, and what was not solved
 };
 
 /// Takes a session through the flow graph (docs/architecture.md) until the source ends and

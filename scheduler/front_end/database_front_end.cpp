@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <set>
 
 #include "scheduler/front_end/foreign_features.h"
 #include "scheduler/front_end/front_end.h"
@@ -24,11 +25,10 @@ class DatabaseFrontEnd final : public FrontEnd {
           photo_folder_(std::move(photo_folder)),
           options_(parts.options->verification.verify),
           seed_(parts.seed),
+          removed_(parts.removed),
           database_(std::move(database)) {
         for (const DatabaseImage& image : database_->images()) by_name_.emplace(image.name, &image);
-        for (const CommittedImage& known : parts.committed) {
-            if (!known.removed) remember(known.image, known.camera);
-        }
+        for (const CommittedImage& known : parts.committed) remember(known.image, known.camera);
     }
 
     Result<ExtractedPhoto> extract(const PhotoFile& photo) const override {
@@ -60,7 +60,8 @@ class DatabaseFrontEnd final : public FrontEnd {
 
     Result<std::vector<KnownImage>> candidates(const AcceptedImage& accepted) override {
         const auto found = by_name_.find(accepted.image.name);
-        if (found == by_name_.end()) return std::vector<KnownImage>{};
+        if (found == by_name_.end() || removed_.contains(accepted.image.id))
+            return std::vector<KnownImage>{};
         const auto matches = database_->matches(found->second->id);
         if (!matches.ok()) return matches.error();
         const std::lock_guard lock(mutex_);
@@ -98,6 +99,7 @@ class DatabaseFrontEnd final : public FrontEnd {
 
   private:
     void remember(const Image& image, const Camera& camera) {
+        if (removed_.contains(image.id)) return;
         const auto found = by_name_.find(image.name);
         if (found != by_name_.end())
             known_[found->second->id] = {image.id, camera, image.metadata.content_hash};
@@ -144,6 +146,7 @@ class DatabaseFrontEnd final : public FrontEnd {
     std::filesystem::path photo_folder_;
     VerifyOptions options_;
     std::uint64_t seed_;
+    std::set<ImageId> removed_;
     std::unique_ptr<ColmapDatabase> database_;
     std::map<std::string, const DatabaseImage*> by_name_;
     mutable std::mutex mutex_;  // guards known_: candidates() writes, verify() reads

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ namespace psfm {
 /// What lies before the view graph: an image's features, the earlier images that are worth
 /// verifying it against, and the pairs that hold. The flow graph's nodes extract, retrieve and
 /// verify call it, so that photographs and another program's matches take the same way from there.
+/// Images that were taken out again go this way too, since they keep their ids: they have no
+/// candidates, and are nobody's.
 class FrontEnd {
   public:
     virtual ~FrontEnd() = default;
@@ -45,7 +48,6 @@ class FrontEnd {
 struct CommittedImage {
     Image image;
     Camera camera;
-    bool removed = false;  ///< nobody's candidate
 };
 
 /// Who reads photographs and extracts their features, where run_features in this process is not to.
@@ -61,6 +63,7 @@ struct FrontEndParts {
     PhotoExtractor extract = {};            ///< empty: run_features
     /// ExecutionOptions::independent_vocabulary; empty: none.
     std::string independent_vocabulary = {};
+    std::set<ImageId> removed = {};  ///< taken out again, with committed pairs or without
 };
 
 /// Photographs: SIFT, retrieval with a vocabulary, matching.

@@ -28,11 +28,10 @@ class PhotographFrontEnd final : public FrontEnd {
           options_(*parts.options),
           seed_(parts.seed),
           extract_(parts.extract),
+          removed_(parts.removed),
           retrieval_(std::move(retrieval)) {
-        for (const CommittedImage& known : parts.committed) {
+        for (const CommittedImage& known : parts.committed)
             known_.push_back({known.image.id, known.camera, known.image.metadata.content_hash});
-            if (known.removed) removed_.insert(known.image.id);
-        }
         make_room();
     }
 
@@ -55,6 +54,8 @@ class PhotographFrontEnd final : public FrontEnd {
         if (!found.ok()) return found.error();
         make_room();
         std::vector<KnownImage> candidates;
+        // It was indexed as one without descriptors, which the store has no more of it.
+        if (removed_.contains(accepted.image.id)) return candidates;
         for (const RetrievalCandidate& candidate : found->candidates) {
             if (removed_.contains(candidate.image)) continue;
             candidates.push_back(known_[index_of(candidate.image)]);
@@ -65,11 +66,12 @@ class PhotographFrontEnd final : public FrontEnd {
 
     Result<std::vector<VerifiedPairPtr>> verify(
         const AcceptedImage& accepted, std::span<const KnownImage> candidates) const override {
+        if (candidates.empty()) return std::vector<VerifiedPairPtr>{};
         VerificationInput input;
         input.image = {accepted.image.id, accepted.camera, accepted.image.metadata.content_hash,
                        accepted.keypoints, accepted.descriptors};
         // All of them were compared, or none.
-        input.ranked = !candidates.empty() && candidates.front().similarity > 0.F;
+        input.ranked = candidates.front().similarity > 0.F;
         std::vector<KnownImage> by_similarity(candidates.begin(), candidates.end());
         std::ranges::stable_sort(by_similarity, std::greater{}, &KnownImage::similarity);
         for (const KnownImage& candidate : by_similarity) input.candidates.push_back(candidate.id);
@@ -101,10 +103,10 @@ class PhotographFrontEnd final : public FrontEnd {
     const StageOptions& options_;
     std::uint64_t seed_;
     PhotoExtractor extract_;
+    std::set<ImageId> removed_;
     RetrievalState retrieval_;
     std::size_t index_bytes_ = 0;    // that the cache has made room for
     std::vector<KnownImage> known_;  // by id
-    std::set<ImageId> removed_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "graph/image.h"
@@ -21,6 +22,9 @@ struct Salvage {
     std::atomic<std::uint32_t> images_extracted{0};
     std::atomic<std::uint32_t> pair_lists_taken_over{0};
     std::atomic<std::uint32_t> pair_lists_verified{0};  ///< all of it, or some of its pairs
+    /// Images with the features that they had: their ids there, by their ids in the new session.
+    /// Those of an earlier run, too. To be read after the run.
+    std::map<ImageId, ImageId> taken_over;
 };
 
 }  // namespace psfm

@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "scheduler/front_end/front_end.h"
 #include "scheduler/front_end/salvage.h"
@@ -14,7 +15,7 @@ namespace {
 class SalvageFrontEnd final : public FrontEnd {
   public:
     SalvageFrontEnd(const FrontEndParts& parts, std::unique_ptr<FrontEnd> inner, Salvage& salvage)
-        : inner_(std::move(inner)), salvage_(salvage) {
+        : inner_(std::move(inner)), salvage_(salvage), removed_(parts.removed) {
         for (const Image& image : salvage_.images) by_name_.emplace(image.name, &image);
         for (const CommittedImage& known : parts.committed) know(known.image);
     }
@@ -88,10 +89,11 @@ class SalvageFrontEnd final : public FrontEnd {
     /// Notes where an image comes from. Of one that was extracted anew nothing is taken over: with
     /// other features its stored pairs would mean something else.
     void know(const Image& image) {
+        if (removed_.contains(image.id)) return;
         const auto found = by_name_.find(image.name);
         if (found == by_name_.end() || !take_over(image.name)) return;
         const std::lock_guard lock(mutex_);
-        before_.emplace(image.id, found->second->id);
+        salvage_.taken_over.emplace(image.id, found->second->id);
         here_.emplace(found->second->id, image.id);
     }
 
@@ -101,7 +103,7 @@ class SalvageFrontEnd final : public FrontEnd {
     }
     std::optional<ImageId> salvaged_id(ImageId here) const {
         const std::lock_guard lock(mutex_);
-        return find(before_, here);
+        return find(salvage_.taken_over, here);
     }
     std::optional<ImageId> id_here(ImageId before) const {
         const std::lock_guard lock(mutex_);
@@ -110,10 +112,11 @@ class SalvageFrontEnd final : public FrontEnd {
 
     std::unique_ptr<FrontEnd> inner_;
     Salvage& salvage_;
+    std::set<ImageId> removed_;
     std::map<std::string, const Image*> by_name_;
-    mutable std::mutex mutex_;           // guards the maps: candidates() writes, verify() reads
-    std::map<ImageId, ImageId> before_;  // by id in the new session
-    std::map<ImageId, ImageId> here_;    // by id in the damaged one
+    // Guards taken_over and its inverse: candidates() writes, verify() reads.
+    mutable std::mutex mutex_;
+    std::map<ImageId, ImageId> here_;  // by id in the damaged session
 };
 
 }  // namespace

@@ -234,4 +234,23 @@ SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterS
     return event;
 }
 
+std::optional<std::string> describe_failures(const ClusterTable& clusters) {
+    const ClusterEntry* first = nullptr;
+    std::size_t others = 0;
+    for (const auto& [id, entry] : clusters.entries()) {
+        if (!entry.failure) continue;
+        if (first == nullptr) {
+            first = &entry;
+        } else {
+            ++others;
+        }
+    }
+    if (first == nullptr) return std::nullopt;
+    return "cluster " + std::to_string(index_of(first->id)) + " (" +
+           counted(first->membership.members.size(), "image") + ")" +
+           (others == 0 ? "" : " and " + counted(others, "other")) +
+           " could not be solved: " + first->failure->message +
+           "; what was there before is kept, and `psfm resume` tries again";
+}
+
 }  // namespace psfm

@@ -52,4 +52,7 @@ SessionEvent describe_settling(std::span<const SettlingModel> models);
 SessionEvent describe_solve(const ClusterProblem& problem, const Result<ClusterSolution>& outcome,
                             const ClusterSolution& solution, bool published);
 
+/// Clusters whose latest solve failed, and what becomes of them; nothing: there is none.
+std::optional<std::string> describe_failures(const ClusterTable& clusters);
+
 }  // namespace psfm

@@ -29,6 +29,11 @@ bool is_shown(const ClusterEntry& entry, const Scene& scene) {
            (*shown)->revision == (entry.published.model ? entry.published.revision : 0);
 }
 
+bool is_solved(const ClusterEntry& entry) {
+    const bool is_current = entry.published.topology == entry.membership.topology;
+    return entry.phase == ClusterPhase::kClean && (is_current || !entry.failure);
+}
+
 bool may_rest(const ClusterEntry& entry) {
     return !entry.published.rests && entry.phase == ClusterPhase::kClean &&
            has_model(entry.published.model) && entry.published.cameras &&
@@ -166,6 +171,7 @@ void ClusterTable::set_phase(ClusterEntry& entry, ClusterPhase phase) {
 
 void ClusterTable::make_dirty(ClusterEntry& entry) {
     entry.published.settled = false;
+    entry.failure.reset();
     const bool in_flight =
         entry.phase == ClusterPhase::kSolving || entry.phase == ClusterPhase::kSolvingDirty;
     if (in_flight) {
@@ -200,7 +206,7 @@ std::vector<const ClusterEntry*> ClusterTable::take_dirty() {
 std::vector<const ClusterEntry*> ClusterTable::take_unsettled() {
     std::vector<const ClusterEntry*> taken;
     for (auto& [id, entry] : entries_) {
-        if (entry.phase != ClusterPhase::kClean || entry.published.settled ||
+        if (entry.phase != ClusterPhase::kClean || entry.published.settled || entry.failure ||
             !has_model(entry.published.model))
             continue;
         set_phase(entry, ClusterPhase::kSolving);
@@ -219,8 +225,7 @@ const ClusterEntry* ClusterTable::begin_taken(ClusterId cluster) {
     return nullptr;
 }
 
-const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterSolution& solution,
-                                         bool solved) {
+const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterSolution& solution) {
     const auto found = entries_.find(problem.cluster);
     if (found == entries_.end()) {
         ++coalesced_;
@@ -235,8 +240,8 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
         });
         entry.material.state = solution.state;
     };
-    if (solved && current && !has_model(solution.model)) forget_what_it_started_from();
-    if (solved && has_model(solution.model)) {
+    if (current && !has_model(solution.model)) forget_what_it_started_from();
+    if (has_model(solution.model)) {
         forget_what_it_started_from();
         entry.material.models.insert(
             entry.material.models.begin(),
@@ -264,11 +269,21 @@ const ClusterEntry* ClusterTable::finish(const ClusterProblem& problem, ClusterS
     set_phase(entry, ClusterPhase::kClean);
     entry.published.topology = entry.membership.topology;
     set_model(entry, solution.model);
-    if (solved) entry.material.brought.clear();
+    entry.material.brought.clear();
     entry.published.waiting = solution.waiting;
     entry.published.settled = problem.settle;
     ++entry.published.revision;
     return &entry;
+}
+
+void ClusterTable::fail(const ClusterProblem& problem, const Error& error) {
+    const auto found = entries_.find(problem.cluster);
+    if (found == entries_.end() || found->second.membership.topology != problem.topology) {
+        give_up(problem.cluster);
+        return;
+    }
+    set_phase(found->second, ClusterPhase::kClean);
+    found->second.failure = error;
 }
 
 void ClusterTable::give_up(ClusterId cluster) {

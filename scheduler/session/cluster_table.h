@@ -14,6 +14,7 @@
 
 #include "graph/clustering_edit.h"
 #include "graph/reconstruction.h"
+#include "graph/result.h"
 #include "graph/scene.h"
 #include "scheduler/session/image_hosts.h"
 #include "stages/clustering/clustering_options.h"
@@ -81,10 +82,17 @@ struct ClusterEntry {
     ClusterMembership membership;
     PublishedModel published;
     SolveMaterial material;
+    /// Why its latest solve failed: none follows before the cluster changes. Nothing: it did not.
+    /// Of this process alone: the next one tries again.
+    std::optional<Error> failure;
 };
 
 /// Whether a version shows a cluster as it is now.
 bool is_shown(const ClusterEntry& entry, const Scene& scene);
+
+/// Whether a cluster was solved as it is now, or is too small for that: it is clean, and not since
+/// its solve failed. One whose model could not settle was solved.
+bool is_solved(const ClusterEntry& entry);
 
 /// Whether the store has all that the next solve of a cluster, or a merge, will ask of it: the
 /// cluster is clean, and its material is its published model, which was merged.
@@ -151,7 +159,8 @@ class ClusterTable {
 
     /// Dirty clusters that no solve is in flight for, ascending. They become kSolving.
     std::vector<const ClusterEntry*> take_dirty();
-    /// Clean clusters with a model that has not settled. They become kSolving.
+    /// Clean clusters with a model that has not settled, and whose latest solve did not fail. They
+    /// become kSolving.
     std::vector<const ClusterEntry*> take_unsettled();
     /// The solve of a taken cluster begins only now. @return null where it has gone, or has become
     /// dirty meanwhile: then it is to be solved as that
@@ -160,10 +169,10 @@ class ClusterTable {
     /// Takes over a result. @return the entry when the result became its published model; null when
     /// the cluster has changed or gone meanwhile (counted as coalesced)
     /// @param solution  its succession, if any, is from the model published before, afterwards
-    /// @param solved  false: the solve failed, and `solution` is what stands in for it; the next
-    /// one starts from the same material
-    const ClusterEntry* finish(const ClusterProblem& problem, ClusterSolution& solution,
-                               bool solved = true);
+    const ClusterEntry* finish(const ClusterProblem& problem, ClusterSolution& solution);
+    /// A solve failed: its cluster, if it is still there, is as if it had not begun, and clean
+    /// until it changes. Where it has changed meanwhile: as give_up. REQUIRES: it was in flight
+    void fail(const ClusterProblem& problem, const Error& error);
 
     /// Leaves a result out of account (counted as coalesced): its cluster, if it is still there, is
     /// dirty, and has the material that it had. REQUIRES: a solve of it was in flight

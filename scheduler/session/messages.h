@@ -127,7 +127,8 @@ struct ResumedImage {
 };
 
 /// The first message of a process: what an earlier one committed and did not come to publish is
-/// solved and published. Holds an image token meanwhile, in deterministic sessions to the end.
+/// solved and published. Holds an image token meanwhile, in deterministic sessions to the end, but
+/// not in a batch, which catches up with its last image.
 struct CatchUp {};
 
 using CommitInput = std::variant<CatchUp, ExtractedMessage, ResumedImage, VerifiedMessage,

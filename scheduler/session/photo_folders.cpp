@@ -13,17 +13,22 @@ Result<std::vector<fs::path>> photo_folders(const SessionReader& reader, const f
     if (!settings.ok()) return settings.error();
     const auto sources = reader.image_sources();
     if (!sources.ok()) return sources.error();
+    return photo_folders(*sources, settings->photo_folder, session);
+}
+
+std::vector<fs::path> photo_folders(std::span<const ImageSource> sources,
+                                    const fs::path& last_folder, const fs::path& session) {
     std::set<fs::path> named;
-    for (const ImageSource& source : *sources) {
+    for (const ImageSource& source : sources) {
         if (!source.file.folder.empty()) named.insert(source.file.folder);
     }
-    named.erase(settings->photo_folder);
+    named.erase(last_folder);
     std::error_code ignored;
     std::vector<fs::path> folders{fs::absolute(session, ignored) / "photographs"};
     folders.insert(folders.end(), named.begin(), named.end());
     // Of an imported database it is the database's own path.
-    if (!settings->photo_folder.empty() && !fs::is_regular_file(settings->photo_folder, ignored))
-        folders.emplace_back(settings->photo_folder);
+    if (!last_folder.empty() && !fs::is_regular_file(last_folder, ignored))
+        folders.push_back(last_folder);
     return folders;
 }
 

@@ -20,6 +20,12 @@ namespace psfm {
 Result<std::vector<std::filesystem::path>> photo_folders(const SessionReader& reader,
                                                          const std::filesystem::path& session);
 
+/// The same of a session of which not everything can be read.
+/// @param sources  of its images  @param last_folder  that of the last run, or the database
+std::vector<std::filesystem::path> photo_folders(std::span<const ImageSource> sources,
+                                                 const std::filesystem::path& last_folder,
+                                                 const std::filesystem::path& session);
+
 /// The photograph, in the first of the folders that has it. Names that lead out of a folder, as
 /// imported ones may, are nowhere.
 std::optional<std::filesystem::path> find_photo(std::span<const std::filesystem::path> folders,

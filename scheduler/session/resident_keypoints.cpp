@@ -3,7 +3,10 @@
 #include "scheduler/session/resident_keypoints.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "storage/database/system_error.h"
 
 namespace psfm {
 namespace {
@@ -19,6 +22,11 @@ void ResidentKeypoints::push_back(Pointer keypoints) {
     images_.push_back({std::move(keypoints), solves_});
 }
 
+void ResidentKeypoints::expect(ImageId image, std::uint32_t feature) {
+    std::size_t& expected = images_[index_of(image)].expected;
+    expected = std::max(expected, std::size_t{feature} + 1);
+}
+
 Result<void> ResidentKeypoints::use(std::span<const ImageId> images, const SessionReader& store) {
     ++solves_;
     for (const ImageId image : images) {
@@ -27,6 +35,11 @@ Result<void> ResidentKeypoints::use(std::span<const ImageId> images, const Sessi
         if (entry.keypoints) continue;
         auto read = store.keypoints(image);
         if (!read.ok()) return read.error();
+        if ((*read)->size() < entry.expected) {
+            return Error{ErrorCode::kDamaged, "image " + std::to_string(index_of(image)) +
+                                                  " lacks features that its pairs or models name" +
+                                                  kDamageRemedy};
+        }
         entry.keypoints = *std::move(read);
         bytes_ += bytes_of(*entry.keypoints);
     }

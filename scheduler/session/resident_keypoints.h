@@ -31,6 +31,9 @@ class ResidentKeypoints {
 
     /// Of the next image. @param keypoints  null: they are left to the store
     void push_back(Pointer keypoints);
+    /// What the store has of pairs and models names this feature of an image: where its keypoints
+    /// are read without it, the session is damaged.
+    void expect(ImageId image, std::uint32_t feature);
     std::size_t size() const { return images_.size(); }
     /// Null: not in memory.
     const Pointer& operator[](std::size_t image) const { return images_[image].keypoints; }
@@ -38,7 +41,7 @@ class ResidentKeypoints {
     std::size_t bytes() const { return bytes_; }
 
     /// A solve uses these: they are read back where they are not in memory.
-    /// @errors those of the store
+    /// @errors those of the store; kDamaged: some lack a feature that was expected
     Result<void> use(std::span<const ImageId> images, const SessionReader& store);
     /// Where there are more bytes than the budget: lets go of what was used longest ago.
     /// @param is_idle  whether nothing but a solve will ask for an image's keypoints
@@ -47,7 +50,8 @@ class ResidentKeypoints {
   private:
     struct Entry {
         Pointer keypoints;
-        std::uint64_t used = 0;  ///< number of the last solve that did
+        std::uint64_t used = 0;    ///< number of the last solve that did
+        std::size_t expected = 0;  ///< so many keypoints at least
     };
     std::vector<Entry> images_;
     std::size_t bytes_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <span>
+#include <string>
 
 #include "scheduler/session/encode_state.h"
 #include "scheduler/session/session_state.h"
@@ -8,9 +10,22 @@
 #include "stages/clustering/keep_apart.h"
 #include "stages/features/cameras/assign_camera.h"
 #include "stages/merge/values/model_cameras.h"
+#include "storage/database/system_error.h"
 
 namespace psfm {
 namespace {
+
+/// What the records say of each other does not fit, though each of them is sound.
+Error mismatch_in(const std::string& record, const std::string& problem) {
+    return {ErrorCode::kDamaged, record + " " + problem + kDamageRemedy};
+}
+
+std::string label(ImageId image) {
+    return "image " + std::to_string(index_of(image));
+}
+std::string label(ClusterId cluster) {
+    return "cluster " + std::to_string(index_of(cluster));
+}
 
 Result<void> restore_images(const SessionReader& store, const SessionConfig& config,
                             RestoredSession& restored) {
@@ -32,7 +47,11 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     for (const RejectedPhoto& photo : restored.rejected)
         state.photographs.rejected.insert(photo.name);
     state.verified = *verified;
+    if (state.verified > state.photographs.images.size())
+        return mismatch_in(label(ImageId{state.verified - 1}), "has pairs, and is missing");
     for (const Image& image : state.photographs.images) {
+        if (!state.photographs.cameras.contains(image.camera))
+            return mismatch_in(label(image.id), "has a camera that is missing");
         std::shared_ptr<const Keypoints> keypoints;
         if (index_of(image.id) >= state.verified) {
             auto read = store.keypoints(image.id);
@@ -66,12 +85,41 @@ Result<void> restore_images(const SessionReader& store, const SessionConfig& con
     return {};
 }
 
+void expect_features(std::span<const VerifiedPairPtr> pairs, ResidentKeypoints& keypoints) {
+    for (const VerifiedPairPtr& pair : pairs) {
+        for (const FeatureMatch& match : pair->geometry.inliers) {
+            keypoints.expect(pair->pair.first, match.first);
+            keypoints.expect(pair->pair.second, match.second);
+        }
+    }
+}
+
+/// @errors kDamaged: the model names an image that is not there
+Result<void> expect_features(const Reconstruction& model, ClusterId cluster,
+                             ResidentKeypoints& keypoints) {
+    for (const RegisteredImage& image : model.images) {
+        if (index_of(image.image) >= keypoints.size())
+            return mismatch_in(label(cluster), "has a model of an image that is missing");
+    }
+    for (const ScenePoint& point : model.points) {
+        for (const Observation& observation : point.track)
+            keypoints.expect(observation.image, observation.feature);
+    }
+    return {};
+}
+
+/// Whether all of these are nodes of the view graph. @param images  ascending
+bool are_verified(std::span<const ImageId> images, const SessionState& state) {
+    return images.empty() || index_of(images.back()) < state.verified;
+}
+
 Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionOptions& options,
                                 SessionState& state) {
     for (std::uint32_t i = 0; i < state.verified; ++i) {
         const auto image = static_cast<ImageId>(i);
         const auto pairs = store.pairs_of(image);
         if (!pairs.ok()) return pairs.error();
+        expect_features(*pairs, state.photographs.keypoints);
         select_edges(state.edges, state.view_graph, image, *pairs, options);
         store.give_up_cache(bytes_of(*pairs));
     }
@@ -79,11 +127,13 @@ Result<void> restore_view_graph(const SessionReader& store, const EdgeSelectionO
     if (!clusters.ok()) return clusters.error();
     PlaceVerdict known;
     for (const StoredCluster& cluster : *clusters) {
+        if (!are_verified(cluster.members, state))
+            return mismatch_in(label(cluster.id), "has a member that has no pairs");
+        if (!are_verified(cluster.adopted, state))
+            return mismatch_in(label(cluster.id), "has adopted an image that has no pairs");
         for (const ImagePair& pair : cluster.apart) {
             if (index_of(pair.second) >= state.verified)
-                return Error{ErrorCode::kDamaged, "cluster " +
-                                                      std::to_string(index_of(cluster.id)) +
-                                                      " keeps an image apart that has no pairs"};
+                return mismatch_in(label(cluster.id), "keeps an image apart that has no pairs");
             known.apart.push_back(pair);
         }
     }
@@ -97,8 +147,8 @@ StoredSolveState solve_state_of(const StoredCluster& stored, const StoredSolutio
                                 std::vector<std::string>& remarks) {
     auto state = decode_solve_state(solution.state_json);
     if (state.ok()) return *state;
-    remarks.push_back("cluster " + std::to_string(index_of(stored.id)) + ": " +
-                      state.error().message + "; its model is kept, and adjusted anew");
+    remarks.push_back(label(stored.id) + ": " + state.error().message +
+                      "; its model is kept, and adjusted anew");
     return {};
 }
 
@@ -175,6 +225,11 @@ Result<void> restore_clusters(const SessionReader& store, const StageOptions& op
         ClusterEntry models = without_models(stored);
         const auto done = restore_models(store, stored, options, restored.remarks, models);
         if (!done.ok()) return done.error();
+        for (const RecycledModel& recycled : models.material.models) {
+            const auto named =
+                expect_features(*recycled.model, stored.id, state.photographs.keypoints);
+            if (!named.ok()) return named.error();
+        }
         state.clusters.restore_models(std::move(models));
         const ClusterEntry& entry = state.clusters.entries().at(stored.id);
         const bool is_finished =
@@ -200,11 +255,14 @@ std::size_t bytes_of(std::span<const VerifiedPairPtr> pairs) {
 Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
                                         const StageOptions& options) {
     RestoredSession restored{SessionState(options.solve.policy.mu_min), {}, {}};
+    store.take_back_cache();  // of what was restored before
     if (const auto done = restore_images(store, config, restored); !done.ok()) return done.error();
     if (const auto done = restore_view_graph(store, options.edges, restored.state); !done.ok())
         return done.error();
     auto scene = store.scene_poses();
     if (!scene.ok()) return scene.error();
+    if (scene->image_count > restored.state.photographs.images.size())
+        return mismatch_in("the latest version", "knows of more images than there are");
     restored.state.scene = std::make_shared<const Scene>(*std::move(scene));
     if (const auto done = restore_clusters(store, options, restored); !done.ok())
         return done.error();

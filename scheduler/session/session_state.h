@@ -90,7 +90,8 @@ struct RestoredSession {
     std::vector<RejectedPhoto> rejected;
     std::vector<std::string> remarks = {};  ///< what was damaged, and is begun anew; for people
 };
-/// @errors those of the store
+/// REQUIRES: nobody keeps anything else of the session (SessionReader::take_back_cache)
+/// @errors those of the store; kDamaged: its records do not fit each other
 Result<RestoredSession> restore_session(const SessionReader& store, const SessionConfig& config,
                                         const StageOptions& options);
 

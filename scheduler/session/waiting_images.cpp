@@ -83,10 +83,10 @@ std::vector<WeakModel> weak_models(const SessionState& state) {
 std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& state) {
     std::vector<std::pair<ImageId, WaitReason>> waiting;
     for (const auto& [id, entry] : state.clusters.entries()) {
-        const bool unsolved = entry.phase == ClusterPhase::kClean &&
-                              (!entry.published.model || entry.published.model->empty());
+        const bool has_no_model =
+            is_solved(entry) && (!entry.published.model || entry.published.model->empty());
         Turns of_cluster;
-        if (unsolved) {
+        if (has_no_model) {
             for (const ImageId image : entry.membership.members)
                 of_cluster.add(state.view_graph, image);
         }
@@ -96,13 +96,13 @@ std::vector<std::pair<ImageId, WaitReason>> waiting_images(const SessionState& s
             if (state.view_graph.edges(image).empty()) {
                 reason = is_kept_apart(state, image) ? WaitReason::kLookAlikes
                                                      : reason_without_edges(state.edges, image);
-            } else if (unsolved && of_cluster.prevail()) {
+            } else if (has_no_model && of_cluster.prevail()) {
                 reason = WaitReason::kNoParallax;
             } else if (!state.clusters.makes_model(entry.membership.members.size())) {
                 reason = is_kept_apart(state, image) ? WaitReason::kLookAlikes
                                                      : WaitReason::kClusterTooSmall;
-            } else if (entry.phase == ClusterPhase::kClean) {
-                reason = unsolved ? WaitReason::kNoSeed : WaitReason::kRegistrationFailed;
+            } else if (is_solved(entry)) {
+                reason = has_no_model ? WaitReason::kNoSeed : WaitReason::kRegistrationFailed;
             }
             waiting.emplace_back(image, reason);
         }

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -48,6 +49,13 @@ Result<FolderState> read_marker(const fs::path& folder) {
                                               ", written by a newer psfm; use that version"};
     }
     return FolderState::kSession;
+}
+
+bool is_of_the_store(const std::string& name) {
+    constexpr std::array<std::string_view, 6> kNames{kMarkerFile,    kMarkerTemporary,
+                                                     kLockFile,      kDatabaseFolder,
+                                                     kReadersFolder, kReplacedDatabaseFolder};
+    return std::ranges::find(kNames, name) != kNames.end();
 }
 
 bool is_our_lock(const fs::path& path) {
@@ -95,16 +103,24 @@ Result<FolderState> inspect_session_folder(const fs::path& folder) {
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
         empty = false;
-        const std::string name = entry->path().filename().string();
-        if (name != kLockFile && name != kMarkerTemporary && name != kDatabaseFolder &&
-            name != kReadersFolder) {
-            return something_else(folder);
-        }
+        if (!is_of_the_store(entry->path().filename().string())) return something_else(folder);
     }
     if (error) return system_error("cannot look into " + quoted(folder), error.value());
     // Only folders whose lock file we wrote are ours to finish.
     if (!empty && !is_our_lock(folder / kLockFile)) return something_else(folder);
     return FolderState::kNew;
+}
+
+std::vector<std::string> entries_of_others(const fs::path& session) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator entry(session, error), end; !error && entry != end;
+         entry.increment(error)) {
+        std::string name = entry->path().filename().string();
+        if (!is_of_the_store(name)) names.push_back(std::move(name));
+    }
+    std::ranges::sort(names);
+    return names;
 }
 
 Result<void> write_session_marker(const fs::path& folder) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "graph/result.h"
 
@@ -15,6 +16,7 @@ inline constexpr const char* kLockFile = "writer.lock";
 inline constexpr const char* kLockFirstLine = "psfm session lock";
 inline constexpr const char* kDatabaseFolder = "db";
 inline constexpr const char* kReadersFolder = "secondary";
+inline constexpr const char* kReplacedDatabaseFolder = "db-damaged";
 inline constexpr int kSessionFormat = 1;  // Format: version of a session's folder
 
 enum class FolderState {
@@ -26,6 +28,10 @@ enum class FolderState {
 /// @errors kInvalidArgument (something else), kVersion (newer format), kDamaged (unreadable
 /// marker), kIo
 Result<FolderState> inspect_session_folder(const std::filesystem::path& folder);
+
+/// What lies in a session's folder and is not the store's own, by name: photographs that were sent,
+/// users, logs.
+std::vector<std::string> entries_of_others(const std::filesystem::path& session);
 
 /// Makes the folder a session; synced. @errors kNoSpace, kIo
 Result<void> write_session_marker(const std::filesystem::path& folder);

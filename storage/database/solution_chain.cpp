@@ -7,6 +7,8 @@
 namespace psfm {
 namespace {
 
+constexpr const char* kImpossible = "is stored as changes to what cannot be";
+
 Error damage(const ReadView& view, Family family, const SolutionKey& key, const char* problem) {
     return view.about(family, encode_key(key), {ErrorCode::kDamaged, problem});
 }
@@ -28,7 +30,7 @@ Result<std::vector<Part>> read_chain(const ReadView& view, Family family, Record
         chain.push_back(**std::move(part));
         if (since == 0) return chain;
         if (since >= at.revision || chain.size() >= kLongestChain)
-            return damage(view, family, at, "is stored as changes to what cannot be");
+            return damage(view, family, at, kImpossible);
         at.revision = since;
     }
 }
@@ -67,7 +69,9 @@ Result<std::optional<std::uint32_t>> revision_before(const ReadView& view, const
                                             encode_key(key), decode_poses);
     if (!poses.ok()) return poses.error();
     if (!poses->has_value()) return std::optional<std::uint32_t>();
-    return std::optional((*poses)->since);
+    const std::uint32_t since = (*poses)->since;
+    if (since >= key.revision) return damage(view, Family::kSolutions, key, kImpossible);
+    return std::optional(since);
 }
 
 }  // namespace psfm

@@ -26,8 +26,8 @@ Result<std::optional<Reconstruction>> read_poses(const ReadView& view, const Sol
 /// @errors kDamaged (what it is made from, too), kIo
 Result<std::optional<SolutionPoints>> read_points(const ReadView& view, const SolutionKey& key);
 
-/// The revision that a solution is a change to, by its poses; 0: it is whole; nothing: there is no
-/// such solution.
+/// The revision that a solution is a change to, by its poses, a smaller one; 0: it is whole;
+/// nothing: there is no such solution. @errors kDamaged, kIo
 Result<std::optional<std::uint32_t>> revision_before(const ReadView& view, const SolutionKey& key);
 
 }  // namespace psfm

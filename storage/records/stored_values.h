@@ -135,9 +135,10 @@ struct StoredRemoval {
 
 /// What is left of the images of a damaged session.
 struct IntactImages {
-    std::vector<Image> images;  ///< whose records can be read, ascending by id
-    std::uint32_t count = 0;    ///< ids that any record knows of are below
-    std::set<ImageId> removed;  ///< of these, what was taken out again
+    std::vector<Image> images;         ///< whose records can be read, ascending by id
+    std::vector<ImageSource> sources;  ///< beside them
+    std::uint32_t count = 0;           ///< ids that any record knows of are below
+    std::set<ImageId> removed;         ///< of these, what was taken out again
 };
 
 }  // namespace psfm

@@ -26,11 +26,26 @@ void DecodedCache::put(const Key& key, std::shared_ptr<const void> value, std::s
     used_bytes_ += bytes;
 }
 
+void DecodedCache::drop(const Key& key) {
+    std::list<Entry> dropped;
+    const std::lock_guard lock(mutex_);
+    const auto found = by_key_.find(key);
+    if (found == by_key_.end()) return;
+    used_bytes_ -= found->second->bytes;
+    dropped.splice(dropped.begin(), entries_, found->second);
+    by_key_.erase(found);
+}
+
 void DecodedCache::give_up(std::size_t bytes) {
     std::list<Entry> dropped;
     const std::lock_guard lock(mutex_);
-    capacity_bytes_ -= std::min(bytes, capacity_bytes_ - least_bytes_);
+    capacity_bytes_ -= std::min(bytes, capacity_bytes_ - whole_bytes_ / kLeastPart);
     dropped = drop_for(0);
+}
+
+void DecodedCache::take_back() {
+    const std::lock_guard lock(mutex_);
+    capacity_bytes_ = whole_bytes_;
 }
 
 std::list<DecodedCache::Entry> DecodedCache::drop_for(std::size_t bytes) {

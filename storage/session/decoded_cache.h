@@ -13,8 +13,9 @@
 
 namespace psfm {
 
-/// Least-recently-used cache of decoded records that never change once written, bounded in bytes.
-/// Thread-safe. Values that fell out live on with those who hold them.
+/// Least-recently-used cache of decoded records, bounded in bytes. What is in it never changes in
+/// the store, or is dropped here when it does. Thread-safe. Values that fell out live on with those
+/// who hold them.
 class DecodedCache {
   public:
     struct Key {
@@ -28,7 +29,7 @@ class DecodedCache {
     static constexpr std::size_t kLeastPart = 4;
 
     explicit DecodedCache(std::size_t capacity_bytes)
-        : least_bytes_(capacity_bytes / kLeastPart), capacity_bytes_(capacity_bytes) {}
+        : whole_bytes_(capacity_bytes), capacity_bytes_(capacity_bytes) {}
 
     /// nullptr when it is not there. REQUIRES: T is what was put under keys of this kind
     template <typename T>
@@ -37,9 +38,12 @@ class DecodedCache {
     }
     /// A value above the capacity is not kept.
     void put(const Key& key, std::shared_ptr<const void> value, std::size_t bytes);
+    void drop(const Key& key);
 
-    /// Becomes smaller by so many bytes, as far as it may, and stays so.
+    /// Becomes smaller by so many bytes, as far as it may, and stays so until take_back().
     void give_up(std::size_t bytes);
+    /// Is as large again as it was given.
+    void take_back();
 
     std::size_t used_bytes() const;
 
@@ -53,7 +57,7 @@ class DecodedCache {
     /// What has to go for so many bytes more. REQUIRES: the lock; they are within the capacity
     std::list<Entry> drop_for(std::size_t bytes);
 
-    const std::size_t least_bytes_;
+    const std::size_t whole_bytes_;
     mutable std::mutex mutex_;
     std::size_t capacity_bytes_;
     std::list<Entry> entries_;  // latest use first

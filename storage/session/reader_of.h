@@ -58,6 +58,7 @@ class ReaderOf : public Interface {
         return check_session(*database_, progress);
     }
     void give_up_cache(std::size_t bytes) const override { reads_.give_up_cache(bytes); }
+    void take_back_cache() const override { reads_.take_back_cache(); }
     Result<void> refresh() override {
         const auto followed = database_->catch_up();
         if (!followed.ok()) return followed.error();
@@ -66,6 +67,8 @@ class ReaderOf : public Interface {
 
   protected:
     Database& database() { return *database_; }
+    /// See SessionReads.
+    void forget_descriptors(ImageId image) const { reads_.forget_descriptors(image); }
 
   private:
     std::unique_ptr<Database> database_;

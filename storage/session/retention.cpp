@@ -53,6 +53,16 @@ std::vector<bool> points_kept_by(const StoredSceneVersion& next, const SceneReco
     return kept;
 }
 
+std::set<SolutionKey> recycled_solutions(const std::map<ClusterId, ClusterRecord>& clusters) {
+    std::set<SolutionKey> recycled;
+    for (const auto& [id, record] : clusters) {
+        const StoredCluster& cluster = record.cluster;
+        if (!record.removed && cluster.solved_topology < cluster.transfer_topology)
+            recycled.insert(cluster.recycled.begin(), cluster.recycled.end());
+    }
+    return recycled;
+}
+
 std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& superseded,
                                              const StoredSceneVersion& next,
                                              const std::map<ClusterId, ClusterRecord>& clusters) {
@@ -68,13 +78,7 @@ std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& supersed
         return std::ranges::any_of(found->second.cluster.members,
                                    [&](ImageId member) { return unsolved.contains(member); });
     };
-    // Parts of these are to be joined to other clusters' models.
-    std::set<SolutionKey> recycled;
-    for (const auto& [id, record] : clusters) {
-        const StoredCluster& cluster = record.cluster;
-        if (!record.removed && cluster.solved_topology < cluster.transfer_topology)
-            recycled.insert(cluster.recycled.begin(), cluster.recycled.end());
-    }
+    const std::set<SolutionKey> recycled = recycled_solutions(clusters);
     std::vector<SolutionKey> droppable;
     const std::vector<std::pair<SolutionKey, std::uint32_t>> latest_first(superseded.rbegin(),
                                                                           superseded.rend());

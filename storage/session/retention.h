@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include "storage/database/store_options.h"
@@ -20,9 +21,13 @@ std::vector<bool> points_kept_by(const StoredSceneVersion& next, const SceneReco
 /// Whether the latest version keeps the points of this solution for good.
 bool keeps_points(const SceneRecord* latest, const SolutionKey& key);
 
+/// Solutions parts of which are yet to be joined to other clusters' models.
+std::set<SolutionKey> recycled_solutions(const std::map<ClusterId, ClusterRecord>& clusters);
+
 /// Superseded solutions that nobody needs once `next` is the latest scene version: it does not
-/// refer to them, they are not the last solution of a removed cluster whose images are in a
-/// cluster that is yet to be solved, and none that stays is read from them (FORMAT.md section 6).
+/// refer to them, they are not recycled, nor the last solution of a removed cluster whose images
+/// are in a cluster that is yet to be solved, and none that stays is read from them (FORMAT.md
+/// section 6).
 std::vector<SolutionKey> droppable_solutions(const SupersededSolutions& superseded,
                                              const StoredSceneVersion& next,
                                              const std::map<ClusterId, ClusterRecord>& clusters);

@@ -28,14 +28,14 @@ struct WholeSolution {
     std::string state_json;
 };
 
-/// Poses and points put together; nothing when the points were dropped.
+/// Poses and points put together; nothing when the points were dropped, alone or with the poses.
 Result<std::optional<WholeSolution>> read_whole(const ReadView& view, const SolutionKey& key) {
-    auto poses = read_poses(view, key);
-    if (!poses.ok()) return poses.error();
-    if (!poses->has_value()) return missing(view, Family::kSolutions, key);
     auto points = read_points(view, key);
     if (!points.ok()) return points.error();
     if (!points->has_value()) return std::optional<WholeSolution>();
+    auto poses = read_poses(view, key);
+    if (!poses.ok()) return poses.error();
+    if (!poses->has_value()) return missing(view, Family::kSolutions, key);
     if (!points_belong_to((*points)->points, **poses)) {
         return view.about(Family::kPoints, encode_key(key),
                           {ErrorCode::kDamaged, "a point observes an image that has no pose"});

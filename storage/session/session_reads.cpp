@@ -65,6 +65,14 @@ Result<std::vector<T>> read_images(const Database& database, const Decode& decod
     });
 }
 
+Result<SourcedImage> decode_sourced_image(ImageId id, std::string_view payload) {
+    auto image = decode_image(id, payload);
+    if (!image.ok()) return image.error();
+    auto source = decode_image_source(payload);
+    if (!source.ok()) return source.error();
+    return SourcedImage{*std::move(image), *std::move(source)};
+}
+
 }  // namespace
 
 Result<SessionSettings> SessionReads::settings() const {
@@ -97,14 +105,13 @@ Result<IntactImages> SessionReads::intact_images() const {
                 if (!id) return;
                 intact.count = std::max(intact.count, index_of(*id) + 1);
                 if (family != Family::kImages) return;
-                auto image = open_and_decode(
+                auto read = open_and_decode(
                     view, family, RecordKind::kImage, key, value,
-                    [&](std::string_view payload) { return decode_image(*id, payload); });
-                if (!image) return;
-                const auto source = open_and_decode(view, family, RecordKind::kImage, key, value,
-                                                    decode_image_source);
-                if (source && source->removed) intact.removed.insert(*id);
-                intact.images.push_back(*std::move(image));
+                    [&](std::string_view payload) { return decode_sourced_image(*id, payload); });
+                if (!read) return;
+                if (read->source.removed) intact.removed.insert(*id);
+                intact.images.push_back(std::move(read->image));
+                intact.sources.push_back(std::move(read->source));
             };
             walk_family(view, family, {record, [](const auto&, const auto&, const auto&) {}});
         }

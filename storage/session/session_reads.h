@@ -39,6 +39,11 @@ class SessionReads {
     Result<Scene> scene_after(std::uint32_t image_count) const;
     Result<std::vector<PastVersion>> versions() const;
     void give_up_cache(std::size_t bytes) const { cache_.give_up(bytes); }
+    void take_back_cache() const { cache_.take_back(); }
+    /// Those of an image are others by now. REQUIRES: nobody reads them meanwhile
+    void forget_descriptors(ImageId image) const {
+        cache_.drop({RecordKind::kDescriptors, index_of(image), 0});
+    }
 
   private:
     enum class WithPoints { kNo, kYes };

@@ -65,9 +65,11 @@ class SessionReader {
     virtual Result<IntactImages> intact_images() const = 0;
     virtual Result<CheckReport> check(
         const std::function<void(std::uint64_t done)>& progress) const = 0;
-    /// Who works with the session keeps so many bytes more in memory, for as long as it is open:
-    /// the cache of decoded records becomes smaller by that, down to a quarter. Thread-safe.
+    /// Who works with the session keeps so many bytes more in memory: the cache of decoded records
+    /// becomes smaller by that, down to a quarter. Thread-safe.
     virtual void give_up_cache(std::size_t bytes) const = 0;
+    /// Nobody keeps any of that any more: the cache is as large as at first. Thread-safe.
+    virtual void take_back_cache() const = 0;
     /// Follows the writer (readers in other processes); does nothing in the writer itself.
     virtual Result<void> refresh() = 0;
 };
@@ -102,7 +104,7 @@ class SessionStore : public SessionReader {
     }
     virtual Result<void> commit_rejected(const RejectedPhoto& photo) = 0;
     /// Takes images out: their records say so, their descriptors go, and nobody has a pair with
-    /// them any more. What was read of descriptors before may still be in the cache. One batch.
+    /// them any more. One batch. REQUIRES: nobody reads these descriptors meanwhile
     virtual Result<void> commit_removal(const StoredRemoval& removal) = 0;
     /// Photographs that are no longer turned down. One batch.
     virtual Result<void> forget_rejected(const std::vector<std::string>& names) = 0;

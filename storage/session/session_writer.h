@@ -74,8 +74,8 @@ class SessionWriter final : public ReaderOf<SessionStore> {
     void supersede(Batch& batch, const SolutionKey& key, std::uint32_t whole,
                    SupersededSolutions& marked) const;
     void drop_solution(Batch& batch, const SolutionKey& key) const;
-    /// What the latest version and the clusters refer to, and what that is read from, each with
-    /// the whole one. REQUIRES: there is a version
+    /// What the latest version and the clusters refer to, or are to be joined with, and what that
+    /// is read from, each with the whole one. REQUIRES: there is a version
     Result<SupersededSolutions> needed_solutions(const ReadView& view) const;
     /// Marks those that History::kFull left unmarked, so that they go when nothing needs them.
     void mark_needed(Batch& batch, const SupersededSolutions& needed);

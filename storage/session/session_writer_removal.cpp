@@ -35,6 +35,7 @@ Result<void> SessionWriter::commit_removal(const StoredRemoval& removal) {
     put_clusters(batch, *edited, marked);
     if (auto written = write(batch); !written.ok()) return written.error();
     take_over(*std::move(edited), marked);
+    for (const SourcedImage& removed : removal.images) forget_descriptors(removed.image.id);
     return {};
 }
 

@@ -130,7 +130,7 @@ void SessionWriter::drop_solution(Batch& batch, const SolutionKey& key) const {
 }
 
 Result<SupersededSolutions> SessionWriter::needed_solutions(const ReadView& view) const {
-    std::set<SolutionKey> last;
+    std::set<SolutionKey> last = recycled_solutions(state_.clusters);
     for (const auto& [id, record] : state_.clusters) last.insert({id, record.cluster.revision});
     for (const StoredPlacement& placement : state_.scene->scene.placements)
         last.insert({placement.cluster, placement.revision});
@@ -152,8 +152,9 @@ Result<SupersededSolutions> SessionWriter::needed_solutions(const ReadView& view
 
 void SessionWriter::mark_needed(Batch& batch, const SupersededSolutions& needed) {
     for (const auto& [key, whole] : needed) {
-        const ClusterRecord& record = state_.clusters.at(key.cluster);
-        const bool is_latest = key.revision == record.cluster.revision && !record.removed;
+        const auto found = state_.clusters.find(key.cluster);
+        const bool is_latest = found != state_.clusters.end() && !found->second.removed &&
+                               key.revision == found->second.cluster.revision;
         if (is_latest || !state_.superseded.emplace(key, whole).second) continue;
         batch.put(Family::kMeta, RecordKind::kSuperseded, superseded_key(key),
                   encode_superseded(key, whole));

@@ -57,6 +57,22 @@ TEST(DecodedCache, GivesUpWhatOthersNeedDownToAQuarter) {
     EXPECT_EQ(cache.used_bytes(), 10U);
     cache.put(key(6), text("ten"), 10);
     EXPECT_NE(cache.find<std::string>(key(6)), nullptr);
+    cache.take_back();
+    cache.put(key(7), text("the rest"), 30);
+    EXPECT_EQ(cache.used_bytes(), 40U);
+}
+
+TEST(DecodedCache, ForgetsWhatIsAnotherValueByNow) {
+    DecodedCache cache(20);
+    cache.put(key(1), text("one"), 10);
+    cache.put(key(2), text("two"), 10);
+    cache.drop(key(1));
+    cache.drop(key(3));
+    EXPECT_EQ(cache.find<std::string>(key(1)), nullptr);
+    EXPECT_NE(cache.find<std::string>(key(2)), nullptr);
+    EXPECT_EQ(cache.used_bytes(), 10U);
+    cache.put(key(1), text("another one"), 10);
+    EXPECT_EQ(*cache.find<std::string>(key(1)), "another one");
 }
 
 TEST(DecodedCache, TellsKindsAndRevisionsApart) {

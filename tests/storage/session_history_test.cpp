@@ -187,7 +187,8 @@ TEST(SessionHistory, KeepsRemovedClustersWhileTheirImagesAreUnsolved) {
     EXPECT_EQ(kept_of(*store, 4), Kept::kPoses);
 }
 
-TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
+/// @param history  from when on the model waits to be joined
+void expect_to_stay_until_it_is_joined(History history) {
     const TemporaryFolder folder;
     const auto store = open(folder, History::kPoses);
     commit(*store, 0, 5);
@@ -219,6 +220,7 @@ TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
     ASSERT_TRUE(solve(rest));
     scene.placements = {{rest.id, rest.revision, rest.members, {}, 0}};
     ASSERT_TRUE(store->commit_scene(scene, {}).ok());
+    ASSERT_TRUE(store->keep_history(history).ok());
     const auto kept = store->recycled_model(source);
     ASSERT_TRUE(kept.ok() && *kept) << "the new cluster is not solved yet";
     EXPECT_FALSE((*kept)->points.empty());
@@ -228,8 +230,14 @@ TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
     scene.placements.push_back({other.id, other.revision, other.members, {}, 0});
     ASSERT_TRUE(store->commit_scene(scene, {}).ok());
     const auto gone = store->recycled_model(source);
-    ASSERT_TRUE(gone.ok());
+    ASSERT_TRUE(gone.ok()) << gone.error().message;
     EXPECT_EQ(*gone, nullptr);
+    EXPECT_EQ(count_of(*store, "points"), 2U);
+}
+
+TEST(SessionHistory, AModelThatAnotherClusterIsToJoinStaysUntilItHas) {
+    expect_to_stay_until_it_is_joined(History::kPoses);
+    expect_to_stay_until_it_is_joined(History::kNone);
 }
 
 }  // namespace

@@ -174,7 +174,10 @@ TEST(SessionStore, ImagesThatAreTakenOutLeaveNothingThatIsUsed) {
         alone.id = ClusterId{index_of(others.id) + 1};
         alone.members = {removed};
         removal.edit = {{others, alone}, {former}};
+        EXPECT_GT((*store->descriptors(removed))->rows(), 0U);
         ASSERT_TRUE(store->commit_removal(removal).ok());
+        EXPECT_EQ((*store->descriptors(removed))->rows(), 0U)
+            << "who read them before forgets them";
     }
     const auto store = open(folder);
     EXPECT_TRUE(store->image_sources()->at(2).removed);
@@ -192,6 +195,7 @@ TEST(SessionStore, ImagesThatAreTakenOutLeaveNothingThatIsUsed) {
     EXPECT_EQ(store->clusters()->size(), 2U);
     EXPECT_EQ(store->rejected()->front().reason, "was taken out");
     EXPECT_EQ(store->intact_images()->removed, std::set<ImageId>{removed});
+    EXPECT_EQ(store->intact_images()->sources, *store->image_sources());
     EXPECT_TRUE(store->check({})->damaged.empty());
     EXPECT_TRUE(store->forget_rejected({testing::expected_image(2).name}).ok());
     EXPECT_TRUE(store->rejected()->empty());

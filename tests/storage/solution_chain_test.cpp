@@ -303,6 +303,26 @@ TEST(SolutionChain, ThatIsTooLongOrEndlessIsDamaged) {
     }
 }
 
+TEST(SolutionChain, ThatIsEndlessIsFoundWhereTheHistoryIsDropped) {
+    const TemporaryFolder folder;
+    GrowingSession session(10);
+    {
+        const auto store = open(folder);
+        for (int image = 0; image < 4; ++image) ASSERT_TRUE(session.add_all(*store));
+    }
+    const std::string key = encode_key(SolutionKey{ClusterId{0}, session.revision()});
+    const Reconstruction& model = *session.model();
+    RawDatabase(folder.session())
+        .put(Family::kSolutions, key,
+             seal_record(RecordKind::kPoses, key,
+                         *encode_changed_poses(model, model, session.revision())));
+    StoreOptions options;
+    options.history = History::kNone;
+    const auto store = SessionStore::open(folder.session(), options);
+    ASSERT_FALSE(store.ok());
+    EXPECT_EQ(store.error().code, ErrorCode::kDamaged);
+}
+
 Reconstruction some_model(std::uint32_t images, std::uint64_t seed) {
     testing::Rng rng(seed);
     return testing::random_model(testing::first_images(images), 30, rng);

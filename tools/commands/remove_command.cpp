@@ -104,21 +104,19 @@ int take_back(SessionStore& store, std::vector<SourcedImage> images,
 }
 
 /// Takes them out. @return the exit code where there is nothing else to do
-std::optional<int> take_out(const RemoveArguments& arguments, const StoreOptions& store_options,
+std::optional<int> take_out(SessionStore& store, const RemoveArguments& arguments,
                             RunRequest& request) {
-    auto store = SessionStore::open_existing(arguments.session, store_options);
-    if (!store.ok()) return report_error(store.error());
-    const auto settings = (*store)->settings();
+    const auto settings = store.settings();
     if (!settings.ok()) return report_error(settings.error());
     auto config = decode_config(settings->settings_json);
     if (!config.ok()) return report_error(config.error());
     request.input = settings->photo_folder;
     request.config = *std::move(config);
-    auto images = find_images(**store, arguments.names, settings->photo_folder, arguments.undo);
+    auto images = find_images(store, arguments.names, settings->photo_folder, arguments.undo);
     if (!images.ok()) return report_error(images.error(), ErrorOrigin::kOtherInput);
     if (arguments.undo)
-        return take_back(**store, *std::move(images), arguments, settings->photo_folder);
-    const auto sources = (*store)->image_sources();
+        return take_back(store, *std::move(images), arguments, settings->photo_folder);
+    const auto sources = store.image_sources();
     if (!sources.ok()) return report_error(sources.error());
     const auto left =
         std::ranges::count_if(*sources, [](const ImageSource& source) { return !source.removed; });
@@ -130,7 +128,7 @@ std::optional<int> take_out(const RemoveArguments& arguments, const StoreOptions
     }
     std::vector<ImageId> ids;
     for (const SourcedImage& image : *images) ids.push_back(image.image.id);
-    const auto removal = remove_images(**store, request.config, ids, !arguments.again);
+    const auto removal = remove_images(store, request.config, ids, !arguments.again);
     if (!removal.ok()) return report_error(removal.error());
     std::cout << counted(ids.size(), "photograph") << " removed; "
               << counted(removal->clusters, "cluster") << " to be solved anew\n"
@@ -147,10 +145,9 @@ int remove(const RemoveArguments& arguments) {
     request.log_file = arguments.log;
     request.go_on_command = command_line("resume", request.session);
     request.may_place_none = true;
-    if (const auto code = take_out(arguments, store_options, request)) return *code;
-    // Opened anew: what was read of the removed images is not in its cache.
     auto store = SessionStore::open_existing(arguments.session, store_options);
     if (!store.ok()) return report_error(store.error());
+    if (const auto code = take_out(**store, arguments, request)) return *code;
     return run_and_report(**store, request);
 }
 

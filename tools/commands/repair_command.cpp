@@ -3,7 +3,7 @@
 //
 // A damaged session is run again into a new folder beside it: images and pairs are taken over where
 // their records are intact, and everything else follows from them as it did the first time. Then
-// the two folders change their names.
+// the new database takes the damaged one's place in the session's folder, in which all else stays.
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -13,11 +13,15 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "graph/wording.h"
 #include "scheduler/front_end/salvage.h"
+#include "scheduler/front_end/salvage_photographs.h"
 #include "storage/database/file_lock.h"
 #include "storage/database/rebuild_database.h"
+#include "storage/database/replace_database.h"
 #include "storage/database/session_folder.h"
 #include "storage/database/system_error.h"
 #include "tools/commands/commands.h"
@@ -41,6 +45,12 @@ struct Folders {
     explicit Folders(const fs::path& the_session)
         : session(fs::absolute(the_session).lexically_normal()) {
         if (session.filename().empty()) session = session.parent_path();
+        // Behind a link it may be on another file system than the link, which no rename leads to.
+        std::error_code unknown;
+        if (fs::is_symlink(session, unknown)) {
+            const fs::path target = fs::canonical(session, unknown);
+            if (!unknown) session = target;
+        }
         repaired = session;
         repaired += ".repairing";
         rebuilt = session;
@@ -48,10 +58,11 @@ struct Folders {
         damaged = session;
         damaged += ".damaged";
     }
+
     fs::path session;
     fs::path repaired;  ///< the new session, until it is whole
     fs::path rebuilt;   ///< a copy that opens, of a database that does not
-    fs::path damaged;   ///< the old session in the end
+    fs::path damaged;   ///< the damaged database in the end
 };
 
 /// The damaged session, as far as it can be read, and its writers kept out.
@@ -85,46 +96,6 @@ Result<Patient> examine(const Folders& folders) {
                   << '\n';
     patient.damaged_records += report->damaged.size();
     return patient;
-}
-
-/// The photographs in the order in which they were accepted. Where the record of one is damaged its
-/// name is lost, too: the next one in order of arrival that the session does not know stands there.
-Result<std::vector<PhotoFile>> photos_to_accept(const SessionReader& damaged,
-                                                const IntactImages& intact,
-                                                const RunRequest& request) {
-    std::set<std::string> known;
-    for (const Image& image : intact.images) known.insert(image.name);
-    // Expected: where these are damaged their photographs are looked at again
-    if (const auto rejected = damaged.rejected(); rejected.ok()) {
-        for (const RejectedPhoto& photo : *rejected) known.insert(photo.name);
-    }
-    const bool is_database = !request.config.colmap_database.empty();
-    const auto photo_of = [&](const std::string& name) {
-        return PhotoFile{is_database ? request.input : request.input / name, name};
-    };
-    std::vector<PhotoFile> arriving;
-    arriving.reserve(request.config.order.size());
-    for (const std::string& name : request.config.order) arriving.push_back(photo_of(name));
-    if (arriving.empty()) {
-        // Expected: a folder that is gone has no photographs; what was extracted is taken over
-        if (auto listed = photos_by_name(request); listed.ok())
-            arriving = std::move(listed->photos);
-    }
-    std::erase_if(arriving, [&](const PhotoFile& photo) { return known.contains(photo.name); });
-
-    std::vector<PhotoFile> photos;
-    auto image = intact.images.begin();
-    auto unknown = arriving.begin();
-    for (std::uint32_t id = 0; id < intact.count; ++id) {
-        if (image != intact.images.end() && index_of(image->id) == id) {
-            const bool is_removed = intact.removed.contains(image->id);
-            if (!is_removed) photos.push_back(photo_of(image->name));
-            ++image;
-        } else if (unknown != arriving.end()) {
-            photos.push_back(*unknown++);
-        }
-    }
-    return photos;
 }
 
 /// What was taken out of the damaged session stays out of the new one.
@@ -169,24 +140,27 @@ Result<std::size_t> tell_outcome(const Salvage& salvage, const IntactImages& int
     return wanted - std::min(wanted, there.size());
 }
 
-Result<void> change_names(const Folders& folders) {
-    std::error_code error;
-    fs::rename(folders.session, folders.damaged, error);
-    if (!error) fs::rename(folders.repaired, folders.session, error);
-    if (error) {
-        return system_error("cannot name " + quoted(folders.repaired) + " " +
-                                quoted(folders.session) + " (do it by hand)",
-                            error.value());
-    }
-    fs::remove_all(folders.rebuilt, error);
-    return {};
-}
-
 /// What examine() has made is gone again.
 void leave_alone(const Folders& folders, Patient& patient) {
     patient.reader.reset();
     std::error_code stays;
     fs::remove_all(folders.rebuilt, stays);
+}
+
+/// The last steps of a repair. Writers are kept out. @return the exit code; failures were reported
+int replace_and_tell(const Folders& folders) {
+    const auto done = replace_database(folders.session, folders.repaired, folders.damaged);
+    if (!done.ok()) return report_error(done.error());
+    std::cout << "the session is whole again; its damaged database lies in "
+              << folders.damaged.string() << " and can be deleted\n";
+    return 0;
+}
+
+/// The same of a repair that was stopped in the middle of them.
+int finish_earlier_repair(const Folders& folders) {
+    const auto lock = SessionLock::acquire(folders.session);
+    if (!lock.ok()) return report_error(lock.error());
+    return replace_and_tell(folders);
 }
 
 int run_again(const Folders& folders, const RepairArguments& arguments, Patient& patient) {
@@ -210,9 +184,8 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     request.execution = execution_of(arguments.threads, {});
     request.log_file = arguments.log;
     request.go_on_command = command_line("repair", request.session);
-    auto photos = photos_to_accept(*patient.reader, *intact, request);
-    if (!photos.ok()) return report_error(photos.error());
-    request.photos = *std::move(photos);
+    request.photos = photographs_to_salvage(*patient.reader, *intact, request.config, request.input,
+                                            request.session);
     Salvage salvage;
     salvage.session = patient.reader.get();
     salvage.images = intact->images;
@@ -229,14 +202,14 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
         if (const auto done = keep_out(*patient.reader, *intact, **store); !done.ok())
             return report_error(done.error());
         if (const int code = run_and_report(**store, request); code != 0) return code;
+        if (const auto done = keep_sources(*intact, salvage, **store); !done.ok())
+            return report_error(done.error());
         const auto told = tell_outcome(salvage, *intact, **store);
         if (!told.ok()) return report_error(told.error());
         lost = *told;
     }
-    patient.reader.reset();
-    if (const auto done = change_names(folders); !done.ok()) return report_error(done.error());
-    std::cout << "the session is whole again; what was damaged lies in " << folders.damaged.string()
-              << " and can be deleted\n";
+    leave_alone(folders, patient);
+    if (const int code = replace_and_tell(folders); code != 0) return code;
     if (lost == 0) return 0;
     std::cerr << "psfm: " << counted(lost, "image") << " could not be recomputed; put "
               << (lost == 1 ? "its file" : "their files") << " back and 'psfm run' adds "
@@ -244,22 +217,48 @@ int run_again(const Folders& folders, const RepairArguments& arguments, Patient&
     return 1;
 }
 
+/// What is to be done about the folder of an earlier repair. It may hold all of a session's folder,
+/// with what nothing can recompute.
+std::string advice_on_damaged(const Folders& folders) {
+    const std::vector<std::string> kept = entries_of_others(folders.damaged);
+    if (!fs::exists(folders.session)) {
+        return quoted(folders.session) + " is not there, but " + quoted(folders.damaged) +
+               " is, from an earlier repair; name that one " + quoted(folders.session) +
+               " and repair it";
+    }
+    if (kept.empty())
+        return quoted(folders.damaged) + " is there from an earlier repair; move or delete it";
+    return quoted(folders.damaged) +
+           " is there from an earlier repair, with files that belong to the session: " +
+           some_of(kept) + "; move these to " + quoted(folders.session) + ", then delete it";
+}
+
 int refuse_second_repair(const Folders& folders) {
-    return report_error(
-        {ErrorCode::kInvalidArgument,
-         quoted(folders.damaged) + " is there from an earlier repair; move or delete it"});
+    return report_error({ErrorCode::kInvalidArgument, advice_on_damaged(folders)});
+}
+
+/// Nothing is damaged; what earlier repairs have left is told.
+int tell_sound(const Folders& folders) {
+    std::cout << "every record is intact; there is nothing to repair\n";
+    if (!entries_of_others(folders.damaged).empty())
+        std::cerr << "psfm: " << advice_on_damaged(folders) << '\n';
+    if (fs::exists(folders.repaired)) {
+        std::cerr << "psfm: " << quoted(folders.repaired)
+                  << " is left of a repair that was stopped, and can be deleted\n";
+    }
+    return 0;
 }
 
 int repair(const RepairArguments& arguments) {
     const Folders folders{arguments.session};
+    if (is_replacing(folders.repaired)) {
+        if (const int code = finish_earlier_repair(folders); code != 0) return code;
+    }
     const bool is_second = fs::exists(folders.damaged);
     if (is_second && !fs::exists(folders.session)) return refuse_second_repair(folders);
     auto patient = examine(folders);
     if (!patient.ok()) return report_error(patient.error());
-    if (patient->damaged_records == 0) {
-        std::cout << "every record is intact; there is nothing to repair\n";
-        return 0;
-    }
+    if (patient->damaged_records == 0) return tell_sound(folders);
     if (is_second) {
         leave_alone(folders, *patient);
         return refuse_second_repair(folders);
@@ -280,9 +279,10 @@ void add_repair_command(CLI::App& app, int& exit_code) {
     command->footer(
         "Images and verified pairs are kept where their records are intact; features come from "
         "the\n"
-        "photographs otherwise, and clusters and models from them. The damaged session is kept as\n"
-        "DIR.damaged. Exit code 1 when an image is lost: its records are damaged and its file is "
-        "gone.\nExample: psfm repair --session castle");
+        "photographs otherwise, and clusters and models from them. The damaged database is kept "
+        "as\n"
+        "DIR.damaged; all else in DIR stays as it is. Exit code 1 when an image is lost: its "
+        "records\nare damaged and its file is gone.\nExample: psfm repair --session castle");
     command->callback([arguments, &exit_code] { exit_code = repair(*arguments); });
 }
 

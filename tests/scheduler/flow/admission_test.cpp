@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "scheduler/session/remove_images.h"
 #include "tests/scheduler/flow/serial_session.h"
 #include "tests/storage/test_session.h"
 #include "tests/synthetic/verified_pairs.h"
@@ -139,6 +142,42 @@ TEST_F(AdmissionTest, AVersionShowsModelsThatAreSolvedAgainMeanwhile) {
     const auto stored = store_->scene();
     ASSERT_TRUE(stored.ok());
     EXPECT_EQ(placed_count(*stored), kBeforeModel + 2) << "as it is read from the store";
+}
+
+TEST_F(AdmissionTest, SolvesThatCameToNothingAreCountedInAllProcesses) {
+    std::uint32_t coalesced = 0;
+    {
+        const auto session = solving(false);
+        session->add_image();
+        session->add_image();  // overtakes the solve
+        session->release_solves();
+        coalesced = session->state().counts.solves_coalesced;
+        ASSERT_GT(coalesced, 0U);
+    }
+    store_.reset();
+    store_ = test::open_store(folder_);
+    test::SerialSession next(*store_, images_.scene, images_.pairs, false);
+    next.add_image();
+    EXPECT_EQ(next.reported().size(), 1U);
+    EXPECT_EQ(next.state().counts.solves_coalesced, coalesced);
+}
+
+TEST_F(AdmissionTest, OneThatWasTakenOutBeforeItHadPairsGivesItsTokenBackAndIsNotToldOf) {
+    store_ = test::open_store(folder_);
+    {
+        test::SerialSession session(*store_, images_.scene, images_.pairs, false);
+        ASSERT_TRUE(session.add_image());
+        ASSERT_FALSE(session.add_image(1)) << "it is accepted, and the process ends";
+    }
+    ASSERT_EQ(store_->images()->size(), 2U);
+    ASSERT_EQ(*store_->verified_image_count(), 1U);
+    ASSERT_TRUE(remove_images(*store_, SessionConfig{}, std::vector{ImageId{1}}).ok());
+    test::SerialSession session(*store_, images_.scene, images_.pairs, false);
+    EXPECT_EQ(*store_->verified_image_count(), 2U) << "it keeps its place in their order";
+    EXPECT_EQ(session.released(), 2U) << "its own, and that of catching up";
+    EXPECT_TRUE(session.reported().empty());
+    EXPECT_EQ(session.state().counts.images, 1U);
+    EXPECT_EQ(session.state().counts.waiting, 1U);
 }
 
 }  // namespace

@@ -17,12 +17,12 @@
 namespace psfm {
 namespace {
 
-/// A store whose cache has room for an image's descriptors, and for nothing more.
-std::unique_ptr<SessionStore> open_with_room_for(std::size_t features,
+/// A store whose cache has room for so much, and for nothing more.
+std::unique_ptr<SessionStore> open_with_room_for(std::size_t bytes,
                                                  const testing::TemporaryFolder& folder) {
     StoreOptions options;
     options.cache_bytes = 0;
-    while (decoded_cache_bytes(options) < features * Descriptors::kSize) ++options.cache_bytes;
+    while (decoded_cache_bytes(options) < bytes) ++options.cache_bytes;
     auto store = SessionStore::open(folder.session(), options);
     EXPECT_TRUE(store.ok());
     return *std::move(store);
@@ -40,26 +40,37 @@ TEST(CacheShare, MatchesTakeOfIt) {
     const synthetic::SyntheticScene scene =
         synthetic::make_scene(synthetic::line_along_wall(kImages), 3);
     const auto pairs = synthetic::make_verified_pairs(scene);
-    const std::size_t features = scene.images.front().keypoints.size();
+    const std::size_t descriptors = scene.images.front().keypoints.size() * Descriptors::kSize;
     const testing::TemporaryFolder folder;
+    std::size_t kept = 0;  // of pairs
     {
-        const auto store = open_with_room_for(features, folder);
+        const auto store = open_with_room_for(descriptors, folder);
         test::SerialSession session(*store, scene, pairs);
         ASSERT_TRUE(session.add_image());
         EXPECT_TRUE(caches_descriptors(*store)) << "nothing is matched yet";
         for (std::uint32_t i = 1; i < kImages; ++i) ASSERT_TRUE(session.add_image());
         EXPECT_FALSE(caches_descriptors(*store));
+        for (std::uint32_t i = 0; i < kImages; ++i) kept += bytes_of(*store->pairs_of(ImageId{i}));
     }
-    const auto store = open_with_room_for(features, folder);
-    EXPECT_TRUE(caches_descriptors(*store)) << "nothing is in memory yet";
-    const test::SerialSession resumed(*store, scene, pairs);
-    EXPECT_FALSE(caches_descriptors(*store)) << "a session that is taken up again";
+    {
+        const auto store = open_with_room_for(descriptors, folder);
+        EXPECT_TRUE(caches_descriptors(*store)) << "nothing is in memory yet";
+        const test::SerialSession resumed(*store, scene, pairs);
+        EXPECT_FALSE(caches_descriptors(*store)) << "a session that is taken up again";
+    }
+    // Room for them once, not twice; a quarter of it, which nobody takes, is too little.
+    ASSERT_LT(kept, 2 * descriptors);
+    const auto store = open_with_room_for(descriptors + kept + kept / 2, folder);
+    for (int times = 1; times <= 3; ++times) {
+        const test::SerialSession resumed(*store, scene, pairs);
+        EXPECT_TRUE(caches_descriptors(*store)) << times << " times, one after the other";
+    }
 }
 
 TEST(CacheShare, TheIndexOfRetrievalTakesOfIt) {
     constexpr std::uint32_t kImages = 4;
     const testing::TemporaryFolder folder;
-    const auto store = open_with_room_for(testing::kFeatures, folder);
+    const auto store = open_with_room_for(testing::kFeatures * Descriptors::kSize, folder);
     ASSERT_TRUE(testing::finish(*store, kImages));
     auto options = stage_options(SessionConfig{});
     ASSERT_TRUE(options.ok());

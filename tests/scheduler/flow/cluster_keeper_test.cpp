@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "tests/scheduler/flow/serial_session.h"
+#include "tests/scheduler/session/made_up_clusters.h"
 #include "tests/storage/test_session.h"
 #include "tests/synthetic/verified_pairs.h"
 
@@ -82,6 +85,67 @@ TEST_F(Keeper, TakesAPairBackOnceUntilAnotherImageComes) {
     add_image();
     show({});
     EXPECT_EQ(apart(), 0U);
+}
+
+/// Three images, 0 to 2, and three, 3 to 5, of which the first has a few matches with the others.
+class SmallClusters : public ::testing::Test {
+  protected:
+    SmallClusters() {
+        options_.clustering.eta = 0.5;
+        state_.photographs.images.resize(kImages);
+        state_.photographs.sources.resize(kImages);
+        add({});
+        add({0});
+        add({0, 1});
+        add({0}, 30);
+        add({3});
+        add({3, 4});
+        test::solve_dirty(state_.clusters);
+    }
+
+    /// The next image. @param others  that it has so many matches with
+    void add(const std::vector<std::uint32_t>& others, std::uint32_t matches = 200) {
+        const ImageId image{state_.verified};
+        std::vector<VerifiedPairPtr> pairs;
+        for (const std::uint32_t other : others) {
+            VerifiedPair pair{{ImageId{other}, image}, {}};
+            for (std::uint32_t i = 0; i < matches; ++i) pair.geometry.inliers.push_back({i, i});
+            pairs.push_back(std::make_shared<const VerifiedPair>(std::move(pair)));
+        }
+        ASSERT_TRUE(keeper_.add_image(image, pairs).ok());
+    }
+    ClusterId own(std::uint32_t image) const { return state_.clustering.cluster_of[image]; }
+    const ClusterEntry& entry(std::uint32_t image) const {
+        return state_.clusters.entries().at(own(image));
+    }
+    std::optional<ClusterId> host(std::uint32_t image) const {
+        return state_.clusters.hosts().host(ImageId{image});
+    }
+
+    static constexpr std::uint32_t kImages = 7;
+    testing::TemporaryFolder folder_;
+    std::unique_ptr<SessionStore> store_ = test::open_store(folder_);
+    StageOptions options_;
+    SessionState state_{3};
+    Outbox outbox_;
+    ClusterKeeper keeper_{*store_, options_, state_, outbox_};
+};
+
+TEST_F(SmallClusters, HaveTheirMembersBackWhenTheyGrowAgain) {
+    ASSERT_NE(own(3), own(0));
+    ASSERT_EQ(host(3), std::nullopt);
+    const test::Solve shrinking = test::solve_of(entry(3), test::images({3, 4, 5}));
+    ClusterSolution solution = shrinking.solution;
+    solution.places = {test::images({3, 4}), test::images({5})};
+    ASSERT_TRUE(keeper_.separate(shrinking.problem, std::move(solution)).ok());
+    ASSERT_EQ(entry(3).membership.members, test::images({3, 4}));
+    ASSERT_EQ(entry(3).published.revision, 1U) << "it had a model";
+    ASSERT_EQ(host(3), own(0)) << "a guest, since its own cluster is too small";
+    test::solve_dirty(state_.clusters);
+
+    add({4});
+    ASSERT_EQ(entry(3).membership.members, test::images({3, 4, 6}));
+    EXPECT_EQ(host(3), std::nullopt) << "though none of its own edges has changed";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "scheduler/session/encode_state.h"
 #include "tests/scheduler/flow/serial_session.h"
 #include "tests/stages/reconstruction/two_models.h"
 #include "tests/stages/reconstruction/two_parts.h"
@@ -74,10 +75,21 @@ TEST(Places, StreetsThatOneFacadeFoldedComeApart) {
     const testing::TemporaryFolder folder;
     const auto store = test::open_store(folder);
     SerialSession session(*store, streets.scene, streets.pairs);
-    for (std::uint32_t i = 0; i < 8; ++i) ASSERT_TRUE(session.add_image());
-    EXPECT_EQ(session.state().counts.effective_clusters, 1U) << "nothing tells them apart yet";
-    for (std::uint32_t i = 8; i < kImages; ++i) ASSERT_TRUE(session.add_image());
+    const auto expect_told = [&] {
+        const auto summary = decode_summary(*store->scene_summary_json());
+        ASSERT_TRUE(summary.ok());
+        EXPECT_EQ(summary->weak, weak_models(session.state())) << "of the version that says so";
+    };
+    for (std::uint32_t i = 0; i < kImages; ++i) {
+        ASSERT_TRUE(session.add_image());
+        expect_told();
+        if (i == 7) {
+            EXPECT_EQ(session.state().counts.effective_clusters, 1U)
+                << "nothing tells them apart yet";
+        }
+    }
     session.end();
+    expect_told();
     EXPECT_GE(count_of(session, SessionEvent::Kind::kPlaces), 1U);
     EXPECT_LE(count_of(session, SessionEvent::Kind::kPlaces), 3U);
     expect_streets_apart(session, streets);

@@ -80,9 +80,10 @@ CommitInput SerialSession::verified(ImageId image) const {
 }
 
 CommitInput SerialSession::solved(const SolveMessage& solve) const {
+    Result<ClusterSolution> solution = Error{ErrorCode::kInternal, "not enough memory"};
+    if (!fails_solves_) solution = solve_cluster(*solve.problem, options_.solve, nullptr);
     return SolvedMessage{solve.problem,
-                         std::make_shared<const Result<ClusterSolution>>(
-                             solve_cluster(*solve.problem, options_.solve, nullptr))};
+                         std::make_shared<const Result<ClusterSolution>>(std::move(solution))};
 }
 
 CommitInput SerialSession::merged(const MergeMessage& merge) {

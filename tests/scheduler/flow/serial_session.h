@@ -49,6 +49,8 @@ class SerialSession {
     /// equal parts of its images and the rest; the others say what they do. Solves that follow are
     /// held.
     void release_showing_two_places(ClusterId cluster, std::size_t parts = 2);
+    /// Solves fail from now on, or do not.
+    void fail_solves(bool fail = true) { fails_solves_ = fail; }
     const std::vector<SolveMessage>& held() const { return held_; }
     std::size_t held_solves() const { return held_.size(); }
     /// Merges take until release_merge(), which lets the one in flight end.
@@ -81,6 +83,7 @@ class SerialSession {
     std::vector<std::uint32_t> placed_when_reported_;
     std::uint64_t photos_ = 0;
     std::uint32_t released_ = 0;
+    bool fails_solves_ = false;
     bool holds_solves_ = false;
     std::vector<SolveMessage> held_;
     bool holds_merges_ = false;

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/scheduler/session/made_up_clusters.h"
+
 namespace psfm {
 namespace {
 
@@ -98,6 +100,23 @@ TEST(DescribeEvents, SettlingNamesTheLargestModel) {
     EXPECT_EQ(nlohmann::json::parse(event.detail_json),
               (nlohmann::json{{"models", 2}, {"largest", 120}}));
     EXPECT_EQ(describe_settling(std::span(two).first(1)).text, "settling the model of 7 images");
+}
+
+TEST(DescribeEvents, FailuresAreOneSentence) {
+    ClusterTable table(test::kMuMin);
+    for (const std::uint32_t id : {4U, 7U}) {
+        const std::uint32_t first = 3 * id;
+        table.apply(test::members(id, {first, first + 1, first + 2}));
+    }
+    const auto taken = table.take_dirty();
+    EXPECT_EQ(describe_failures(table), std::nullopt);
+    const Error error{ErrorCode::kInternal, "no memory"};
+    table.fail(test::solve_of(*taken[0], {}).problem, error);
+    EXPECT_EQ(describe_failures(table),
+              "cluster 4 (3 images) could not be solved: no memory; what was there before is kept, "
+              "and `psfm resume` tries again");
+    table.fail(test::solve_of(*taken[1], {}).problem, error);
+    EXPECT_THAT(*describe_failures(table), StartsWith("cluster 4 (3 images) and 1 other could "));
 }
 
 }  // namespace

@@ -11,15 +11,6 @@ namespace {
 
 using namespace test;
 
-/// A cluster that is gone: its images are in another one now, whose members these are.
-ClusteringEdit join(std::uint32_t from, const std::vector<ImageId>& moved, std::uint32_t to,
-                    std::initializer_list<std::uint32_t> all) {
-    ClusteringEdit edit = members(to, all);
-    edit.removed = {cluster(from)};
-    edit.moved.push_back({cluster(from), cluster(to), moved});
-    return edit;
-}
-
 TEST(ClusterTable, SolvesADirtyClusterOnce) {
     ClusterTable table(kMuMin);
     table.apply(members(0, {0, 1, 2}));
@@ -234,24 +225,6 @@ TEST(ClusterTable, PartsOfSeveralEditsComeTogether) {
     ASSERT_EQ(dirty.size(), 1U);
     EXPECT_EQ(material_of(*dirty.front()),
               (Models{images({6, 7, 8}), images({0, 1, 2}), images({3, 4, 5})}));
-}
-
-TEST(ClusterTable, AFailedSolveLeavesAllMaterialForTheNext) {
-    ClusterTable table(kMuMin);
-    table.apply(members(0, {0, 1, 2}));
-    table.apply(members(1, {3, 4, 5}));
-    solve_dirty(table);
-    table.apply(join(1, images({3, 4, 5}), 0, {0, 1, 2, 3, 4, 5}));
-    const auto dirty = table.take_dirty();
-    ASSERT_EQ(dirty.size(), 1U);
-    Solve stand_in = solve_of(*dirty.front(), images({0, 1, 2}));
-    const ClusterEntry* entry = table.finish(stand_in.problem, stand_in.solution, false);
-    ASSERT_NE(entry, nullptr);
-    EXPECT_EQ(entry->published.model, stand_in.solution.model);
-    EXPECT_EQ(material_of(*entry), (Models{images({0, 1, 2}), images({3, 4, 5})}));
-    table.apply(members(0, {0, 1, 2, 3, 4, 5, 6}));
-    EXPECT_EQ(material_of(*table.take_dirty().front()),
-              (Models{images({0, 1, 2}), images({3, 4, 5})}));
 }
 
 TEST(ClusterTable, AResultThatIsGivenUpLeavesNoTrace) {

@@ -32,6 +32,15 @@ inline ClusteringEdit members(std::uint32_t id, std::initializer_list<std::uint3
     return edit;
 }
 
+/// A cluster that is gone: its images are in another one now, whose members these are.
+inline ClusteringEdit join(std::uint32_t from, const std::vector<ImageId>& moved, std::uint32_t to,
+                           std::initializer_list<std::uint32_t> all) {
+    ClusteringEdit edit = members(to, all);
+    edit.removed = {cluster(from)};
+    edit.moved.push_back({cluster(from), cluster(to), moved});
+    return edit;
+}
+
 /// What a solve of the entry would return, with all members (or some) placed.
 struct Solve {
     ClusterProblem problem;

@@ -4,10 +4,16 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "scheduler/session/encode_state.h"
 #include "scheduler/session/session_state.h"
+#include "storage/records/image_records.h"
+#include "storage/records/pair_records.h"
+#include "storage/records/record_envelope.h"
+#include "storage/records/scene_records.h"
 #include "tests/scheduler/flow/serial_session.h"
+#include "tests/storage/raw_database.h"
 #include "tests/storage/test_session.h"
 
 namespace psfm {
@@ -84,6 +90,87 @@ TEST(RestoreSession, GoesOnConcludingWhereThatWasNotAtItsEnd) {
         ++cluster.topology;
     };
     EXPECT_TRUE(restored_with("{}", dirty, true)->state.concluding);
+}
+
+/// Sessions of sound records that do not fit each other: somebody made them for the purpose.
+class MisfitSession : public ::testing::Test {
+  protected:
+    MisfitSession() {
+        const auto store = test::open_store(folder_);
+        EXPECT_TRUE(testing::finish(*store, kImages));
+        StoredSceneVersion scene = testing::expected_scene(kImages - 1);
+        ++scene.version;
+        scene.summary_json = encode_summary({});
+        EXPECT_TRUE(store->commit_scene(scene, {}).ok());
+    }
+
+    void put(Family family, RecordKind kind, const std::string& key,
+             const Result<std::string>& payload) const {
+        testing::RawDatabase(folder_.session()).put(family, key, seal_record(kind, key, *payload));
+    }
+    /// @param store  of the session
+    static Result<RestoredSession> restore(const SessionStore& store) {
+        const SessionConfig config;
+        StageOptions options = *stage_options(config);
+        options.solve.policy.mu_min = kImages;
+        return restore_session(store, config, options);
+    }
+    void expect_damaged(const std::string& why) const {
+        const auto store = test::open_store(folder_);
+        const auto restored = restore(*store);
+        ASSERT_FALSE(restored.ok());
+        EXPECT_EQ(restored.error().code, ErrorCode::kDamaged);
+        EXPECT_EQ(restored.error().message.find(why + "; 'psfm check'"), 0U)
+            << restored.error().message;
+    }
+
+    testing::TemporaryFolder folder_;
+};
+
+TEST_F(MisfitSession, HasPairsOfAnImageThatIsMissing) {
+    const ImageId missing{kImages};
+    put(Family::kPairs, RecordKind::kPairs, encode_key(missing), encode_pairs(missing, {}));
+    expect_damaged("image 4 has pairs, and is missing");
+}
+
+TEST_F(MisfitSession, LacksACamera) {
+    testing::RawDatabase(folder_.session()).remove(Family::kMeta, camera_key(CameraId{0}));
+    expect_damaged("image 0 has a camera that is missing");
+}
+
+TEST_F(MisfitSession, AdoptsAnImageWithoutPairs) {
+    {
+        const auto store = test::open_store(folder_);
+        StoredCluster adopting = store->clusters()->front();
+        adopting.adopted = {ImageId{77}};
+        ASSERT_TRUE(store->commit_clusters({{adopting}, {}}).ok());
+    }
+    expect_damaged("cluster 0 has adopted an image that has no pairs");
+}
+
+TEST_F(MisfitSession, ShowsMoreImagesThanThereAre) {
+    StoredSceneVersion scene;
+    scene.version = 100;
+    scene.image_count = kImages + 1;
+    put(Family::kScenes, RecordKind::kScene, encode_key(SceneKey{scene.image_count, scene.version}),
+        encode_scene({scene, {}}));
+    expect_damaged("the latest version knows of more images than there are");
+}
+
+TEST_F(MisfitSession, NamesFeaturesThatAnImageLacks) {
+    constexpr ImageId kPoor{2};
+    put(Family::kKeypoints, RecordKind::kKeypoints, encode_key(kPoor),
+        encode_keypoints(Keypoints(1)));
+    const auto store = test::open_store(folder_);
+    const auto restored = restore(*store);
+    ASSERT_TRUE(restored.ok()) << "keypoints are not read before they are used: "
+                               << restored.error().message;
+    ResidentKeypoints keypoints = restored->state.photographs.keypoints;
+    EXPECT_TRUE(keypoints.use(std::vector{ImageId{0}, ImageId{1}}, *store).ok());
+    const auto used = keypoints.use(std::vector{kPoor}, *store);
+    ASSERT_FALSE(used.ok());
+    EXPECT_EQ(used.error().code, ErrorCode::kDamaged);
+    EXPECT_EQ(used.error().message.find("image 2 lacks features"), 0U) << used.error().message;
 }
 
 }  // namespace

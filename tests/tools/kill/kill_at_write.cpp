@@ -6,6 +6,7 @@
 //   commit   sync of the store's write-ahead log: one a commit
 //   sync     sync of any file
 //   write    write to any file but a terminal or a pipe
+//   move     renaming of a folder
 // HOW: before it, after it, or (of a write) half: when the first half is written.
 // PSFM_KILL_COUNTS names a file for "commits syncs writes", written when the process ends by
 // itself.
@@ -25,7 +26,7 @@
 namespace {
 
 struct Counts {
-    std::atomic<long> commits{0}, syncs{0}, writes{0};
+    std::atomic<long> commits{0}, syncs{0}, writes{0}, moves{0};
 };
 Counts counts;  // NOLINT: interposed functions have nowhere else to count
 
@@ -62,6 +63,11 @@ bool is_write_ahead_log(int file) {
     if (size <= 0) return false;
     const std::string_view name(path.data(), static_cast<std::size_t>(size));
     return name.ends_with(".log") && name.find("/db/") != std::string_view::npos;
+}
+
+bool is_folder(const char* path) {
+    struct stat status {};
+    return lstat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
 bool is_regular(int file) {
@@ -106,6 +112,13 @@ ssize_t write(int file, const void* data, std::size_t size) {
     static const auto real = next<ssize_t(int, const void*, std::size_t)>("write");
     if (!is_regular(file) || !reached("write", counts.writes)) return real(file, data, size);
     if (plan().how != "before") real(file, data, plan().how == "half" ? size / 2 : size);
+    die();
+}
+
+int rename(const char* from, const char* to) {
+    static const auto real = next<int(const char*, const char*)>("rename");
+    if (!is_folder(from) || !reached("move", counts.moves)) return real(from, to);
+    if (plan().how != "before") real(from, to);
     die();
 }
 

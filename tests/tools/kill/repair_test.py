@@ -128,6 +128,25 @@ class Repair(unittest.TestCase):
         self.assertIn("earlier repair", self.repair(3).stderr)
         self.assertEqual(sorted(folder.name for folder in self.folder.glob("session*")), ["session", "session.damaged"])
 
+    def test_what_a_stopped_repair_left_is_told(self):
+        (self.folder / "session.repairing").mkdir()
+        said = self.repair()
+        self.assertIn("nothing to repair", said.stdout)
+        self.assertIn("is left of a repair that was stopped", said.stderr)
+        self.assertTrue((self.folder / "session.repairing").exists())
+
+    def test_a_session_behind_a_link(self):
+        real, link = self.folder / "session-on-a-disk", self.folder / "link"
+        self.session.rename(real)
+        link.symlink_to(real)
+        self.addCleanup(link.unlink)
+        (real / "db/CURRENT").unlink()
+        self.session = link
+        self.repair()
+        self.assertTrue(link.is_symlink())
+        self.assertTrue((self.folder / "session-on-a-disk.damaged/db").exists(), "on the same file system")
+        self.expect_as_it_was()
+
     def test_compact_gives_space_back(self):
         shutil.rmtree(self.session)
         shim = {"LD_PRELOAD": str(BUILD / "tests/tools/kill/libkill_at_write.so"), "PSFM_KILL_AT": "commit 4 after"}
