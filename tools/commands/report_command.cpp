@@ -10,8 +10,8 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/write_whole_file.h"
-#include "tools/commands/exchange/geo_report.h"
 #include "tools/report/report_page.h"
+#include "tools/report/scene_reference.h"
 #include "tools/serve/uploads/sent_photographs.h"
 
 namespace psfm {

@@ -36,17 +36,20 @@ constexpr std::uint64_t kMostMib = std::uint64_t{1} << 43U;  // Guard: its bytes
 /// Users come before the first photograph, so a new folder becomes a session for a new one.
 Result<std::unique_ptr<Users>> users_of(const ServeArguments& arguments) {
     const std::string& session = arguments.serve.session;
-    const auto state = inspect_session_folder(session);
-    if (!state.ok()) return state.error();
-    if (*state == FolderState::kNew && !arguments.add_user) {
-        return Error{ErrorCode::kNotFound,
-                     session + " is no session; give the folder that psfm serve has"};
+    constexpr int kAttempts = 20;  // Guard: of a folder that is held; each waits half a second
+    for (int attempt = 1;; ++attempt) {
+        const auto state = inspect_session_folder(session);
+        if (!state.ok()) return state.error();
+        if (*state == FolderState::kSession) return Users::open(session);
+        if (!arguments.add_user) {
+            return Error{ErrorCode::kNotFound,
+                         session + " is no session; give the folder that psfm serve has"};
+        }
+        const auto made = SessionStore::open(session, StoreOptions{});
+        // Expected: another process makes it a session at the moment
+        const bool is_being_made = !made.ok() && made.error().code == ErrorCode::kInUse;
+        if (!made.ok() && (!is_being_made || attempt == kAttempts)) return made.error();
     }
-    if (*state == FolderState::kNew) {
-        if (const auto made = SessionStore::open(session, StoreOptions{}); !made.ok())
-            return made.error();
-    }
-    return Users::open(session);
 }
 
 bool is_of_this_machine(const std::string& listen) {

@@ -113,9 +113,19 @@ void tell_address(const Address& address, std::uint16_t port) {
     }
 }
 
+/// @errors kInvalidArgument: no photographs come into what was begun from a database
 Result<SessionConfig> config_of(SessionStore& store, const fs::path& photographs) {
     const auto settings = store.settings();
-    if (settings.ok()) return decode_config(settings->settings_json);
+    if (settings.ok()) {
+        auto begun = decode_config(settings->settings_json);
+        if (begun.ok() && !begun->colmap_database.empty()) {
+            return Error{ErrorCode::kInvalidArgument,
+                         "the session was begun from " + begun->colmap_database +
+                             "; continue it with `psfm import` and that file, look at it with "
+                             "`psfm view`, or serve another session"};
+        }
+        return begun;
+    }
     // Expected: a new session has none, and gets them here
     if (settings.error().code != ErrorCode::kNotFound) return settings.error();
     SessionConfig config;
@@ -196,14 +206,14 @@ int serve_session(const ServeRequest& request) {
     auto store = SessionStore::open(request.session, StoreOptions{});
     if (!store.ok()) return report_error(to_go_on(store.error(), request));
     served.store = *std::move(store);
+    const auto config = config_of(*served.store, fs::path(request.session) / "photographs");
+    if (!config.ok()) return report_error(to_go_on(config.error(), request));
     UploadLimits limits;
     limits.quota_bytes = request.quota_mib << 20U;
     limits.free_bytes = request.free_mib << 20U;
     auto uploads = UploadStore::open(request.session, limits);
     if (!uploads.ok()) return report_error(uploads.error(), ErrorOrigin::kOtherInput);
     served.uploads = *std::move(uploads);
-    const auto config = config_of(*served.store, served.uploads->folder());
-    if (!config.ok()) return report_error(to_go_on(config.error(), request));
     std::unique_ptr<EventLog> log;
     if (!request.log.empty()) {
         auto opened = EventLog::open(request.log);

@@ -19,6 +19,7 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/waiting_report.h"
 #include "tools/commands/exchange/geo_report.h"
+#include "tools/report/scene_reference.h"
 #include "tools/report/status_json.h"
 #include "tools/serve/uploads/sent_photographs.h"
 

@@ -3,7 +3,6 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -11,8 +10,8 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/write_whole_file.h"
-#include "tools/commands/exchange/geo_report.h"
 #include "tools/commands/serve_session.h"
+#include "tools/report/scene_reference.h"
 #include "tools/serve/page_data.h"
 #include "tools/serve/pages.h"
 #include "tools/serve/replay.h"
@@ -28,14 +27,6 @@ struct ViewArguments {
     std::string output;
     std::string listen = "127.0.0.1:8080";
 };
-
-/// Parts stand where positions put them, all of them.
-bool stands_on_the_earth(const std::optional<WorldReference>& reference) {
-    return reference && !reference->models.empty() &&
-           std::ranges::all_of(reference->models, [](const PositionAgreement& model) {
-               return model.is_enough(GeoreferenceOptions{});
-           });
-}
 
 Result<ViewPageData> read_view(const SessionReader& session, const std::filesystem::path& folder) {
     const std::string name = std::filesystem::absolute(folder).lexically_normal().filename();

@@ -10,6 +10,7 @@
 
 #include "scheduler/report/event_log.h"
 #include "storage/exchange/files/json_text.h"
+#include "tools/report/scene_reference.h"
 #include "tools/report/status_json.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/wire.h"
@@ -205,6 +206,7 @@ void LiveSession::show(ToShow model) {
     page.edges = edges.ok() ? &*edges : &none;
     // Expected: as the edges
     if (auto cameras = reader_->cameras(); cameras.ok()) page.cameras = *std::move(cameras);
+    page.in_metres = stands_on_the_earth(world_reference_of(facts.scene, facts.images));
     if (users_ != nullptr) page.users = users_->names();
     page.hints = hints_;
     keep_page(page);

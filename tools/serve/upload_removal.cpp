@@ -17,14 +17,10 @@ HttpResponse UploadStore::remove(std::uint32_t user, const std::string& sha256, 
     const std::lock_guard lock(mutex_);
     if (open_.contains(sha256))
         return problem(423, "this photograph is being sent at the moment; try again after that");
-    if (unfinished_.length_of(user, sha256)) {
-        std::filesystem::remove(unfinished_.part_of(user, sha256), error);
-        unfinished_.end(user, sha256);
-        return gone;
-    }
+    const bool had_begun = drop_unfinished(user, sha256);
     const bool is_there = book_.find(sha256) != nullptr;
     if (!is_there || (!whoever_sent && !book_.has_sent(user, sha256)))
-        return problem(404, "you have sent no such photograph");
+        return had_begun ? gone : problem(404, "you have sent no such photograph");
     const std::string line =
         SentBook::line_of_removal(user, sha256, whoever_sent, std::time(nullptr));
     if (!append_line(session_ / "uploads.log", line, true))
@@ -36,6 +32,14 @@ HttpResponse UploadStore::remove(std::uint32_t user, const std::string& sha256, 
         removed_.insert(*file);
     }
     return gone;
+}
+
+bool UploadStore::drop_unfinished(std::uint32_t user, const std::string& sha256) {
+    if (!unfinished_.length_of(user, sha256)) return false;
+    std::error_code error;  // Expected: it has begun and nothing has come yet
+    std::filesystem::remove(unfinished_.part_of(user, sha256), error);
+    unfinished_.end(user, sha256);
+    return true;
 }
 
 bool UploadStore::has_removed() const {

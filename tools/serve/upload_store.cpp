@@ -166,6 +166,7 @@ HttpResponse UploadStore::know_again(const Offer& offer) {
             return problem(507, "the server's disk is full; the photograph is here");
         book_.add(repeat);
     }
+    drop_unfinished(offer.user, offer.sha256);  // somebody else was faster
     return offset_answer(200, repeat.bytes);
 }
 

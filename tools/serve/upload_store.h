@@ -72,9 +72,9 @@ class UploadStore {
     /// Does not wait for the disk but for a look at a file's length.
     Admission admit(const Offer& offer);
 
-    /// A photograph that somebody has sent, or begun to send, is his no more; when it is nobody's,
-    /// its file and thumbnail are removed, and the session is to lose it (take_removed). On a
-    /// thread that may wait for the disk.
+    /// A photograph that somebody has sent is his no more, and nothing is left of what he has begun
+    /// to send of it; when it is nobody's, its file and thumbnail are removed, and the session is
+    /// to lose it (take_removed). On a thread that may wait for the disk.
     /// @param whoever_sent  it is nobody's afterwards
     /// @return 204, or why not
     HttpResponse remove(std::uint32_t user, const std::string& sha256, bool whoever_sent);
@@ -103,6 +103,8 @@ class UploadStore {
     std::optional<HttpResponse> refuse_place(const Offer& offer, const Progress& here) const;
     std::optional<HttpResponse> refuse_share(const Offer& offer, std::uint64_t length) const;
     HttpResponse know_again(const Offer& offer);
+    /// What has come of a user's photograph is gone. @return whether he had begun to send it
+    bool drop_unfinished(std::uint32_t user, const std::string& sha256);
     void remove_abandoned();
     // Of a sink, on the disk thread; `part` is where its bytes are.
     void give_up(const Offer& offer, const std::filesystem::path& part);

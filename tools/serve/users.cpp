@@ -4,15 +4,22 @@
 
 #include <fcntl.h>
 #include <sodium.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <chrono>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "storage/database/file_lock.h"
+#include "storage/database/session_folder.h"
+#include "storage/database/system_error.h"
 #include "storage/exchange/files/json_text.h"
 #include "tools/serve/sha256.h"
 
@@ -45,6 +52,25 @@ bool is_name(const std::string& name) {
     return name.find_first_not_of(' ') != std::string::npos && name.size() <= kLongestName &&
            std::ranges::none_of(
                name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
+/// Waits for whoever else changes the users of this file.
+/// @return to be held while they are read, changed and written
+Result<FileHandle> alone_with(const std::filesystem::path& users) {
+    const std::filesystem::path path = std::filesystem::path(users).replace_extension(".lock");
+    constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
+    FileHandle file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kOwnerOnly));
+    if (!file.is_open()) return system_error("cannot open " + quoted(path), errno);
+    constexpr int kAttempts = 1000;  // Guard: of a change that hangs; 20 s
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        const auto taken = file.try_lock(FileHandle::LockMode::kExclusive, path);
+        if (!taken.ok()) return taken.error();
+        if (*taken) return file;
+    }
+    return Error{ErrorCode::kInUse, quoted(path) +
+                                        " is held by another psfm, which changes users; wait until "
+                                        "it ends, or stop it"};
 }
 
 bool holds(const User& user) {
@@ -80,11 +106,13 @@ Result<std::unique_ptr<Users>> Users::open(const std::filesystem::path& session)
 }
 
 Result<void> Users::read() const {
-    stamp_ = stamp_of_file(file_);
+    const std::int64_t stamp = stamp_of_file(file_);
     looked_ = std::time(nullptr);
     std::ifstream stream(file_);
+    if (!stream && errno != ENOENT) return system_error("cannot read " + quoted(file_), errno);
     if (!stream) {
         users_.clear();
+        stamp_ = stamp;
         return {};
     }
     const auto damaged = [&]() -> Error {
@@ -113,12 +141,13 @@ Result<void> Users::read() const {
     }
     users_ = std::move(users);
     had_any_ = had_any_ || !users_.empty();
+    stamp_ = stamp;
     return {};
 }
 
-Result<void> Users::write() const {
+Result<void> Users::write(std::vector<User> users) {
     ordered_json list = ordered_json::array();
-    for (const User& user : users_) {
+    for (const User& user : users) {
         list.push_back({{"number", user.number},
                         {"name", user.name},
                         {"role", role_name(user.role)},
@@ -128,19 +157,20 @@ Result<void> Users::write() const {
                         {"since", user.since}});
     }
     const std::string text = json_text(ordered_json{{"users", std::move(list)}}, 1) + "\n";
-    const std::string part = file_.string() + ".part";
-    constexpr mode_t kOwnerOnly = 0600;  // Format: a mode of Unix
-    const int descriptor =
-        ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kOwnerOnly);
+    std::string part = file_.string() + ".XXXXXX";
+    const FileHandle file(::mkostemp(part.data(), O_CLOEXEC));  // of mode 0600
+    if (!file.is_open()) return system_error("cannot write " + quoted(file_), errno);
+    errno = ENOSPC;  // of a write that is cut short
     const bool written =
-        descriptor >= 0 && ::fchmod(descriptor, kOwnerOnly) == 0 &&
-        ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-        ::fsync(descriptor) == 0;
-    if (descriptor >= 0) ::close(descriptor);
-    std::error_code error;
-    if (written) std::filesystem::rename(part, file_, error);
-    if (!written || error)
-        return Error{ErrorCode::kIo, file_.string() + " cannot be written; is the disk full?"};
+        ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+        ::fsync(file.get()) == 0 && ::rename(part.c_str(), file_.c_str()) == 0;
+    if (!written) {
+        const int number = errno;
+        ::unlink(part.c_str());
+        return system_error("cannot write " + quoted(file_), number);
+    }
+    users_ = std::move(users);
+    had_any_ = had_any_ || !users_.empty();
     stamp_ = stamp_of_file(file_);
     return {};
 }
@@ -149,17 +179,20 @@ void Users::look_again() const {
     const std::int64_t now = std::time(nullptr);
     if (now == looked_) return;
     looked_ = now;
-    // Expected: a file that is damaged for the moment keeps the users as they were.
+    // Expected: a file that cannot be read for the moment keeps the users as they were.
     if (stamp_of_file(file_) != stamp_) static_cast<void>(read().ok());
 }
 
 Result<std::string> Users::add(const std::string& name, UserRole role, std::int64_t expires) {
-    const std::lock_guard lock(mutex_);
     if (!is_name(name)) {
         return Error{
             ErrorCode::kInvalidArgument,
             "a user's name has 1 to 64 bytes, not blanks alone, and no control characters"};
     }
+    const auto alone = alone_with(file_);
+    if (!alone.ok()) return alone.error();
+    const std::lock_guard lock(mutex_);
+    if (const auto done = read(); !done.ok()) return done.error();
     const bool is_taken = std::ranges::any_of(
         users_, [&](const User& user) { return user.name == name && !user.removed; });
     if (is_taken) {
@@ -169,23 +202,24 @@ Result<std::string> Users::add(const std::string& name, UserRole role, std::int6
     const std::string token = new_token();
     std::uint32_t number = 1;
     for (const User& user : users_) number = std::max(number, user.number + 1);
-    users_.push_back({number, name, role, sha256_hex(token), expires, false, std::time(nullptr)});
-    had_any_ = true;
-    if (const auto done = write(); !done.ok()) {
-        users_.pop_back();
-        return done.error();
-    }
+    std::vector<User> users = users_;
+    users.push_back({number, name, role, sha256_hex(token), expires, false, std::time(nullptr)});
+    if (const auto done = write(std::move(users)); !done.ok()) return done.error();
     return token;
 }
 
 Result<void> Users::remove(const std::string& name) {
+    const auto alone = alone_with(file_);
+    if (!alone.ok()) return alone.error();
     const std::lock_guard lock(mutex_);
+    if (const auto done = read(); !done.ok()) return done.error();
+    std::vector<User> users = users_;
     const auto user = std::ranges::find_if(
-        users_, [&](const User& one) { return one.name == name && !one.removed; });
-    if (user == users_.end()) return Error{ErrorCode::kNotFound, "there is no user " + name};
+        users, [&](const User& one) { return one.name == name && !one.removed; });
+    if (user == users.end()) return Error{ErrorCode::kNotFound, "there is no user " + name};
     user->removed = true;
     user->token_sha256.clear();
-    return write();
+    return write(std::move(users));
 }
 
 bool Users::empty() const {

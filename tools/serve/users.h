@@ -35,7 +35,8 @@ struct User {
 };
 
 /// The users of a session, in SESSION/users.json (mode 0600). Thread-safe. Changes that another
-/// process makes are seen within a second.
+/// process makes are seen within a second; one at a time is made, by who holds SESSION/users.lock,
+/// of the users as they are by then.
 class Users {
   public:
     /// A session without the file has no users. @errors kDamaged, kIo
@@ -43,9 +44,9 @@ class Users {
 
     /// @return the token, which is told once and never again: 256 random bits
     /// @errors kDuplicate, kInvalidArgument (a name of more than 64 bytes, of blanks, or with a
-    /// control character), kIo
+    /// control character), kInUse (another change takes too long), kDamaged, kNoSpace, kIo
     Result<std::string> add(const std::string& name, UserRole role, std::int64_t expires);
-    /// What he has sent stays. @errors kNotFound, kIo
+    /// What he has sent stays. @errors kNotFound, kInUse, kDamaged, kNoSpace, kIo
     Result<void> remove(const std::string& name);
 
     bool empty() const;
@@ -62,7 +63,8 @@ class Users {
   private:
     explicit Users(std::filesystem::path file) : file_(std::move(file)) {}
     Result<void> read() const;
-    Result<void> write() const;
+    /// @param users  all of them, from now on
+    Result<void> write(std::vector<User> users);
     void look_again() const;
 
     std::filesystem::path file_;

@@ -19,6 +19,15 @@ from server import API, sha
 OPENAPI = Path()
 
 
+def at_place(photo, metres):
+    """A photograph of psfm-render-scene, its position so far east of a place in Zurich."""
+    out = bytearray(photo)
+    places = re.finditer(rb"(?<=\x01\0\0\0.{4}\x01\0\0\0).{4}\x40\x42\x0f\0", photo, re.S)  # degrees, minutes, millionths
+    for place, seconds in zip(places, (30.0, 20.0 + metres / 20.9), strict=True):
+        out[place.start():place.start() + 4] = int(seconds * 1e6).to_bytes(4, "little")
+    return bytes(out)
+
+
 class Api(ServeCase):
     def test_photographs_become_a_model(self):
         server = self.serve()
@@ -144,6 +153,22 @@ class Api(ServeCase):
         self.assertIn("Secure", server.ask("POST", API + "/login", json.dumps({"token": token}), Content_Type="application/json",
                                            X_Forwarded_Proto="https")[1]["Set-Cookie"])
 
+    def test_a_token_is_no_header(self):
+        def login(token):
+            return server.ask("POST", API + "/login", json.dumps({"token": token}), Content_Type="application/json")
+        server = self.serve()
+        odd = ("x\r\nX-More: 1", "x; Domain=example.org", "", "x" * 129, "\u00e4", "x\u0000", "x y")
+        for token in odd:
+            status, headers, _ = login(token)
+            self.assertEqual((status, headers["X-More"], headers["Set-Cookie"]), (400, None, None), token)
+        # Where whoever comes is the owner nobody needs a cookie.
+        status, headers, body = login("x" * 43)
+        self.assertEqual((status, json.loads(body)["role"], headers["Set-Cookie"]), (200, "owner", None))
+        self.user("Ada")
+        self.wait_for(lambda: login("x" * 43)[0] == 401, 10)
+        for token in odd:
+            self.assertEqual(login(token)[0], 400, token)
+
     def test_other_sites_are_refused(self):
         server = self.serve()
         data = self.photos[0]
@@ -262,6 +287,24 @@ class Api(ServeCase):
                         self.assertIn(name, json.loads(body), path)
                 if status // 100 == 4 and body:
                     self.assertEqual(set(json.loads(body)), {"type", "title", "status", "detail"})
+
+    def test_what_a_database_began_takes_no_photographs(self):
+        scene = self.session.parent / "scene"
+        self.assertEqual(psfm("simulate", "--scene", "courtyard", "--images", "8", "--output", scene)[0], 0)
+        self.assertEqual(psfm("import", "--colmap-database", scene / "database.db", "--session", self.session)[0], 0)
+        with self.assertRaisesRegex(RuntimeError, "begun from .*database.db; continue it with `psfm import`"):
+            self.serve()
+        self.assertEqual(psfm("serve", "--session", self.session, "--listen", "127.0.0.1:0")[0], 3)
+        self.assertFalse((self.session / "photographs").exists())
+        self.serve(command="view")
+
+    def test_a_model_that_positions_place_is_in_metres(self):
+        server = self.serve()
+        for i, photo in enumerate(self.photos):
+            self.assertEqual(server.put(at_place(photo, 10 * i), f"IMG_{i}.jpg")[0], 201)
+        session = self.wait_for(lambda: (said := server.json("/session"))["in_metres"] and said)
+        self.assertEqual(session["up"], [0.0, 0.0, 1.0])
+        self.assertNotRegex(json.dumps(session), "(?i)latitude|longitude|gps|datum|altitude")
 
     def test_no_users_no_network(self):
         code, _, err = psfm("serve", "--session", self.session, "--listen", "0.0.0.0:0")

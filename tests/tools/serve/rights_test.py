@@ -3,11 +3,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Who may do what in psfm serve, and until when; the command line that makes users and takes them back.
 Usage: rights_test.py BUILD [TEST …]"""
+import fcntl
 import json
 import socket
 import sys
 import time
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 
 from serve_case import ServeCase, psfm
 from server import API, sha
@@ -115,6 +117,34 @@ class Rights(ServeCase):
         self.user("Ada")
         self.wait_for(lambda: server.ask("GET", API + "/session")[0] == 401, SOON)
         self.assertLess(self.seconds_until_it_ends(stream), SOON)
+
+    def test_changes_of_users_at_the_same_time_are_all_made(self):
+        gone = [self.user(f"Gone{k}") for k in range(3)]
+        server = self.serve()
+        with ThreadPoolExecutor(9) as pool:
+            added = [pool.submit(self.user, f"User{k}") for k in range(6)]
+            removed = [pool.submit(self.remove, f"Gone{k}") for k in range(3)]
+            tokens = [one.result() for one in added]
+            for one in removed:
+                one.result()
+        listed = psfm("serve", "--session", self.session, "--list-users")[1]
+        self.assertEqual(sorted(line.split(",")[0] for line in listed.splitlines()), [f"User{k}" for k in range(6)])
+        time.sleep(1.2)  # the server looks at its users every second
+        for token in tokens:
+            self.assertEqual(server.ask("GET", API + "/session", token=token)[0], 200)
+        for token in gone:
+            self.assertEqual(server.ask("GET", API + "/session", token=token)[0], 401)
+
+    def test_a_first_user_waits_for_who_makes_the_session(self):
+        self.session.mkdir()
+        with (self.session / "writer.lock").open("w") as lock, ThreadPoolExecutor(1) as pool:
+            lock.write("psfm session lock\n")
+            lock.flush()
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            user = pool.submit(self.user, "Ada")
+            time.sleep(2)
+            fcntl.flock(lock, fcntl.LOCK_UN)
+            self.assertTrue(user.result())
 
     def test_nobody_takes_all_of_the_places(self):
         one, other = self.user("One"), self.user("Other")

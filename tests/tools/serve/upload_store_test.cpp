@@ -36,8 +36,8 @@ class UploadStoreTest : public ::testing::Test {
                                     std::uint32_t user = 1) {
         return {user, sha256_hex(bytes), "a.jpg", offset, bytes.size(), false};
     }
-    std::filesystem::path part_of(const std::string& bytes) const {
-        return folder_ / "photographs" / "1" /
+    std::filesystem::path part_of(const std::string& bytes, std::uint32_t user = 1) const {
+        return folder_ / "photographs" / std::to_string(user) /
                (sha256_hex(bytes) + "." + std::to_string(bytes.size()) + ".part");
     }
     static void age(const std::filesystem::path& file) {
@@ -289,6 +289,43 @@ TEST_F(UploadStoreTest, APhotographIsOfTheNextWhoSentIt) {
     EXPECT_EQ(store_->remove(7, hash, true).status, 204U) << "the owner";
     EXPECT_FALSE(store_->origin_of(file));
     EXPECT_FALSE(std::filesystem::exists(store_->folder() / file));
+}
+
+TEST_F(UploadStoreTest, WhoHadBegunWhatSomebodyElseCompletedTakesAllOfItBack) {
+    const auto hash = offer(kPhoto).sha256;
+    EXPECT_EQ(send(offer(kPhoto, 0, 2), kPhoto.substr(0, 5)), 204U);
+    ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
+    const std::string file = store_->uploads_of(1).front().file;
+    EXPECT_EQ(send(offer(kPhoto, 5, 2), kPhoto.substr(5)), 200U);
+    EXPECT_FALSE(std::filesystem::exists(part_of(kPhoto, 2)));
+    EXPECT_EQ(store_->uploads_of(2).size(), 1U);
+    EXPECT_EQ(store_->remove(2, hash, false).status, 204U);
+    EXPECT_TRUE(store_->uploads_of(2).empty());
+    EXPECT_EQ(store_->remove(1, hash, false).status, 204U);
+    EXPECT_FALSE(std::filesystem::exists(store_->folder() / file));
+    EXPECT_FALSE(store_->find(hash));
+}
+
+TEST_F(UploadStoreTest, APartBesideWhatWasSentIsTakenBackWithIt) {
+    const auto hash = offer(kPhoto).sha256;
+    ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
+    const std::string file = store_->uploads_of(1).front().file;
+    std::ofstream(part_of(kPhoto)) << kPhoto.substr(0, 5);
+    reopen();
+    EXPECT_EQ(store_->remove(1, hash, false).status, 204U);
+    EXPECT_FALSE(std::filesystem::exists(part_of(kPhoto)));
+    EXPECT_FALSE(std::filesystem::exists(store_->folder() / file));
+    EXPECT_TRUE(store_->uploads_of(1).empty());
+}
+
+TEST_F(UploadStoreTest, WhatHasBegunToComeIsTakenBackAlone) {
+    const auto hash = offer(kPhoto).sha256;
+    EXPECT_EQ(send(offer(kPhoto, 0, 2), kPhoto.substr(0, 5)), 204U);
+    ASSERT_EQ(send(offer(kPhoto), kPhoto), 201U);
+    EXPECT_EQ(store_->remove(2, hash, false).status, 204U);
+    EXPECT_FALSE(std::filesystem::exists(part_of(kPhoto, 2)));
+    EXPECT_EQ(store_->remove(2, hash, false).status, 404U);
+    EXPECT_EQ(store_->uploads_of(1).size(), 1U) << "hers stays";
 }
 
 }  // namespace

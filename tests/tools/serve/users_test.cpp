@@ -11,6 +11,9 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <set>
+#include <thread>
+#include <vector>
 
 namespace psfm {
 namespace {
@@ -88,8 +91,53 @@ TEST_F(UsersTest, ThatThereWereUsersIsNotForgotten) {
     EXPECT_FALSE(users->is_valid(1));
 }
 
-TEST_F(UsersTest, DamageIsToldOf) {
-    std::ofstream(folder_ / "users.json") << "{\"users\":[{}]}";
+TEST_F(UsersTest, AChangeIsOfTheUsersAsTheyAreByThen) {
+    const auto first = open(), second = open();
+    ASSERT_TRUE(first->add("Ada", UserRole::kSend, 0).ok());
+    ASSERT_TRUE(second->add("Bob", UserRole::kSend, 0).ok());
+    EXPECT_EQ(second->add("Ada", UserRole::kSend, 0).error().code, ErrorCode::kDuplicate);
+    ASSERT_TRUE(second->remove("Ada").ok());
+    EXPECT_EQ(first->remove("Ada").error().code, ErrorCode::kNotFound);
+    const auto all = open()->all();
+    ASSERT_EQ(all.size(), 2U);
+    EXPECT_TRUE(all[0].removed);
+    EXPECT_EQ(all[1].name, "Bob");
+    EXPECT_EQ(all[1].number, 2U);
+}
+
+TEST_F(UsersTest, NobodyIsLostWhereManyAreAddedAtOnce) {
+    constexpr int kThreads = 4, kEach = 5;
+    std::vector<std::thread> threads;
+    for (int k = 0; k < kThreads; ++k) {
+        threads.emplace_back([&, k] {
+            for (int i = 0; i < kEach; ++i) {
+                const std::string name = std::to_string(k) + "-" + std::to_string(i);
+                const auto users = Users::open(folder_);
+                EXPECT_TRUE(users.ok() && (*users)->add(name, UserRole::kSend, 0).ok()) << name;
+            }
+        });
+    }
+    for (std::thread& thread : threads) thread.join();
+    std::set<std::uint32_t> numbers;
+    std::set<std::string> names;
+    for (const User& user : open()->all()) {
+        numbers.insert(user.number);
+        names.insert(user.name);
+    }
+    EXPECT_EQ(numbers.size(), static_cast<std::size_t>(kThreads * kEach));
+    EXPECT_EQ(names.size(), static_cast<std::size_t>(kThreads * kEach));
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+        const std::string file = entry.path().filename();
+        EXPECT_TRUE(file == "users.json" || file == "users.lock") << file;
+    }
+}
+
+TEST_F(UsersTest, WhatCannotBeReadIsToldOf) {
+    const auto file = folder_ / "users.json";
+    std::filesystem::create_symlink("users.json", file);  // leads to itself
+    EXPECT_EQ(Users::open(folder_).error().code, ErrorCode::kIo);
+    std::filesystem::remove(file);
+    std::ofstream(file) << "{\"users\":[{}]}";
     EXPECT_EQ(Users::open(folder_).error().code, ErrorCode::kDamaged);
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iomanip>
-#include <map>
 #include <sstream>
 
 namespace psfm {
@@ -28,23 +27,6 @@ std::optional<WorldReference> world_reference_of(std::span<const ExportedModel> 
                                image.cam_from_world.target_origin_in_source()});
         }
     }
-    return world_reference(cameras, evidence_of(images));
-}
-
-std::optional<WorldReference> world_reference_of(const Scene& scene,
-                                                 std::span<const Image> images) {
-    std::map<std::uint32_t, std::vector<CameraCentre>> by_part;
-    for (const auto& cluster : scene.clusters) {
-        if (!cluster->model) continue;
-        for (const RegisteredImage& image : cluster->model->images) {
-            by_part[cluster->effective_cluster].push_back(
-                {image.image,
-                 cluster->world_from_cluster * image.cam_from_cluster.target_origin_in_source()});
-        }
-    }
-    std::vector<std::vector<CameraCentre>> cameras;
-    cameras.reserve(by_part.size());
-    for (auto& [number, centres] : by_part) cameras.push_back(std::move(centres));
     return world_reference(cameras, evidence_of(images));
 }
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "graph/image.h"
-#include "graph/scene.h"
 #include "stages/merge/geo/world_reference.h"
 #include "storage/exchange/models/exported_model.h"
 
@@ -18,8 +17,6 @@ namespace psfm {
 /// @param images  of the session, ascending by id
 std::optional<WorldReference> world_reference_of(std::span<const ExportedModel> models,
                                                  std::span<const Image> images);
-/// The same for a scene, by effective cluster.
-std::optional<WorldReference> world_reference_of(const Scene& scene, std::span<const Image> images);
 
 /// "geo-referenced about LAT, LON: …", without a line end.
 std::string describe(const WorldReference& reference);
