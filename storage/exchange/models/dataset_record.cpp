@@ -35,10 +35,39 @@ Camera camera_of(const Json& json) {
     return camera;
 }
 
+Json json_of(const DatasetRequest& asked) {
+    Json json{{"image_format", asked.image_format},
+              {"mask_folder", asked.mask_folder},
+              {"photo_folders", asked.photo_folders}};
+    if (asked.part) json["part"] = *asked.part;
+    if (asked.share_location) json["share_location"] = *asked.share_location;
+    return json;
+}
+
+DatasetRequest request_of(const Json& json) {
+    DatasetRequest asked;
+    asked.image_format = json.at("image_format").get<std::string>();
+    asked.mask_folder = json.at("mask_folder").get<std::string>();
+    asked.photo_folders = json.at("photo_folders").get<std::vector<std::string>>();
+    if (json.contains("part")) asked.part = json.at("part").get<std::uint32_t>();
+    if (json.contains("share_location"))
+        asked.share_location = json.at("share_location").get<bool>();
+    return asked;
+}
+
+/// Records of psfm 0.2 say of all this only whether the location was told. Where it was, nobody
+/// need have asked for that; where it was not, it is not told now either.
+DatasetRequest request_of_old_record(const Json& record) {
+    DatasetRequest asked;
+    if (!record.value("tells_location", true)) asked.share_location = false;
+    return asked;
+}
+
 DatasetRecord record_of(const Json& json) {
     DatasetRecord record;
     record.settings = json.at("settings").get<std::string>();
-    record.tells_location = json.value("tells_location", true);
+    record.asked =
+        json.contains("asked") ? request_of(json.at("asked")) : request_of_old_record(json);
     for (const Json& item : json.at("views")) {
         const auto turns = item.at("quarter_turns").get<std::uint8_t>();
         if (turns > 3) throw std::out_of_range("quarter_turns");
@@ -70,7 +99,7 @@ DatasetRecord read_dataset_record(const std::filesystem::path& file) {
 }
 
 std::string dataset_record_text(const DatasetRecord& record) {
-    Json json{{"settings", record.settings}, {"tells_location", record.tells_location}};
+    Json json{{"settings", record.settings}, {"asked", json_of(record.asked)}};
     json["views"] = Json::array();
     for (const UndistortedView& view : record.views) {
         json["views"].push_back(Json{{"photo", json_of(view.photo)},

@@ -5,12 +5,24 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "graph/undistorted_view.h"
 
 namespace psfm {
+
+/// What an export was asked for that its pictures do not tell, for one that goes on with it.
+struct DatasetRequest {
+    std::string image_format = "auto";
+    std::string mask_folder;                 ///< absolute; empty: the session's
+    std::vector<std::string> photo_folders;  ///< absolute; empty: the session's
+    std::optional<std::uint32_t> part;       ///< the data set is this one alone; nothing: of all
+    std::optional<bool> share_location;      ///< nothing: neither yes nor no was said
+
+    bool operator==(const DatasetRequest&) const = default;
+};
 
 /// What the pictures of a data set were made of, kept beside them, so that the next export makes
 /// only those again that would become other ones.
@@ -26,7 +38,7 @@ struct DatasetRecord {
     std::string settings;  ///< everything else that shapes pictures, as one line
     std::vector<UndistortedView> views;
     std::map<std::string, Picture> pictures;  ///< by file name
-    bool tells_location = true;  ///< files beside the models say where on the earth they stand
+    DatasetRequest asked;
 
     bool operator==(const DatasetRecord&) const = default;
 };

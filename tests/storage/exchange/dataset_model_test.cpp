@@ -78,10 +78,13 @@ TEST(DatasetRecord, IsReadAsItWasWritten) {
     test::TemporaryFolder folder;
     DatasetRecord record;
     record.settings = "quality 95";
-    record.tells_location = false;
+    record.asked = {"png", "/masks", {"/photos", "/more photos"}, 3U, false};
     record.views = dataset_of(test::example_model(3, 3, 1)).views;
     record.pictures["a.jpg"] = {1, 0xfedcba9876543210U, 6, 12345};
     const auto file = folder.path() / kDatasetRecordName;
+    test::put_file(file, dataset_record_text(record));
+    EXPECT_EQ(read_dataset_record(file), record);
+    record.asked = {};
     test::put_file(file, dataset_record_text(record));
     EXPECT_EQ(read_dataset_record(file), record);
     // What cannot be read makes all pictures anew.
@@ -91,6 +94,22 @@ TEST(DatasetRecord, IsReadAsItWasWritten) {
         test::put_file(file, text.substr(0, cut));
         EXPECT_EQ(read_dataset_record(file), DatasetRecord{});
     }
+}
+
+// Of psfm 0.2: whether the location was told, but not whether anybody had asked for that.
+TEST(DatasetRecord, OldOnesAreRead) {
+    test::TemporaryFolder folder;
+    const auto file = folder.path() / kDatasetRecordName;
+    DatasetRecord expected;
+    expected.settings = "quality 95";
+    const std::string rest = R"("settings":"quality 95","views":[],"pictures":{}})";
+    for (const char* begin : {"{", R"({"tells_location":true,)"}) {
+        test::put_file(file, begin + rest);
+        EXPECT_EQ(read_dataset_record(file), expected) << begin;
+    }
+    test::put_file(file, R"({"tells_location":false,)" + rest);
+    expected.asked.share_location = false;
+    EXPECT_EQ(read_dataset_record(file), expected);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "scheduler/session/session_config.h"
+#include "stages/merge/geo/earth_frame.h"
 #include "tests/stages/features/photo_fixture.h"
 #include "tests/storage/exchange/example_model.h"
 
@@ -65,7 +66,8 @@ Eigen::Vector2d blob_near(const cv::Mat& picture, const Eigen::Vector2d& place) 
     return weight > 0 ? Eigen::Vector2d(sum / weight) : Eigen::Vector2d(-1e3, -1e3);
 }
 
-DatasetSession::DatasetSession(const std::filesystem::path& folder) : folder_(folder) {
+DatasetSession::DatasetSession(const std::filesystem::path& folder, Positions positions)
+    : folder_(folder) {
     cameras_[CameraId{0}] = camera_of(CameraModel::kSimpleRadial, 400, 300, {380, 203, 148, -0.08});
     cameras_[CameraId{1}] = camera_of(CameraModel::kRadial, 300, 320, {310, 151, 158, 0.05, -0.02});
     cameras_[CameraId{2}] = camera_of(CameraModel::kSimpleRadial, 320, 240, {300, 160, 120, 0.0});
@@ -89,12 +91,27 @@ DatasetSession::DatasetSession(const std::filesystem::path& folder) : folder_(fo
         for (int column = -1; column <= 1; ++column)
             points_.emplace_back(0.9 * column, 0.7 * row, 0.2 * column * row);
     }
+    if (positions == Positions::kTrue) place_on_earth();
     auto opened = SessionStore::open(session(), {});
     EXPECT_TRUE(opened.ok());
     store_ = *std::move(opened);
     EXPECT_TRUE(store_->put_settings({photo_folder().string(), encode_config({})}).ok());
     for (std::uint32_t i = 0; i < photos_.size(); ++i) write_photo(i);
     publish(1, cameras_);
+}
+
+/// The first photograph's position is the datum.
+void DatasetSession::place_on_earth() {
+    constexpr double kMetres = 200.0;
+    const GpsPosition datum{55.7, 13.2, 40.0};
+    const Eigen::Vector3d origin = photos_.front().cam_from_world.target_origin_in_source();
+    for (BlobPhoto& photo : photos_) {
+        Rigid3& pose = photo.cam_from_world;
+        const Eigen::Vector3d centre = kMetres * (pose.target_origin_in_source() - origin);
+        pose.translation = -(pose.rotation * centre);
+        photo.gps = wgs84_from_enu(datum, centre);
+    }
+    for (Eigen::Vector3d& point : points_) point = kMetres * (point - origin);
 }
 
 void DatasetSession::write_photo(std::uint32_t index) {
@@ -125,6 +142,7 @@ void DatasetSession::write_photo(std::uint32_t index) {
     image.metadata.width = camera.width;
     image.metadata.height = camera.height;
     image.metadata.orientation = photo.orientation;
+    image.metadata.gps = photo.gps;
     image.metadata.content_hash = XXH64(bytes.data(), bytes.size(), 0);
     const Descriptors descriptors{std::vector<std::uint8_t>(keypoints.size() * Descriptors::kSize)};
     ImageSource source;

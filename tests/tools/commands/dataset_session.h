@@ -6,10 +6,12 @@
 #include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "graph/camera.h"
+#include "graph/image.h"
 #include "graph/rigid3.h"
 #include "storage/session/session_store.h"
 
@@ -21,6 +23,13 @@ struct BlobPhoto {
     CameraId camera{};
     std::uint8_t orientation = 1;
     Rigid3 cam_from_world;
+    std::optional<GpsPosition> gps;
+};
+
+/// What the photographs' files say of where they were taken.
+enum class Positions {
+    kNone,
+    kTrue,  ///< the world is the frame of the earth, 200 m a unit
 };
 
 /// A session of made-up photographs whose truth is known: eleven images of three cameras (two with
@@ -28,7 +37,8 @@ struct BlobPhoto {
 /// PNG. Two connected parts: the first nine, and the last two.
 class DatasetSession {
   public:
-    explicit DatasetSession(const std::filesystem::path& folder);
+    explicit DatasetSession(const std::filesystem::path& folder,
+                            Positions positions = Positions::kNone);
 
     std::string session() const { return (folder_ / "session").string(); }
     std::filesystem::path photo_folder() const { return folder_ / "photos"; }
@@ -43,6 +53,7 @@ class DatasetSession {
     void run_of(const std::filesystem::path& folder);
 
   private:
+    void place_on_earth();
     void write_photo(std::uint32_t index);
     StoredPlacement solve(std::uint32_t cluster, std::uint32_t revision, std::uint32_t first,
                           std::uint32_t end, const std::map<CameraId, Camera>& cameras);

@@ -154,6 +154,23 @@ TEST_F(ExportAgain, NothingGoesAmongThePhotographs) {
     EXPECT_EQ(exit_code_, 0);
 }
 
+TEST_F(ExportAgain, NothingGoesAmongThePhotographsOfEarlierRuns) {
+    const fs::path photos = session_.photo_folder();
+    fs::create_directory(place("second card"));
+    session_.run_of(place("second card"));
+    for (const fs::path& output : {photos, photos / "a", place("second card")}) {
+        for (const char* format : {"dataset", "ply", "colmap-database"}) {
+            const std::string refused = export_to(output, format);
+            EXPECT_EQ(exit_code_, 3) << output << format;
+            EXPECT_NE(refused.find(output.string() + " has the photographs"), std::string::npos)
+                << refused;
+        }
+    }
+    EXPECT_EQ(state_of(photos), photos_);
+    export_to(photos / "train", "ply");
+    EXPECT_EQ(exit_code_, 0);
+}
+
 TEST_F(ExportAgain, PhotographsOfEarlierFoldersAreFound) {
     fs::create_directory(place("second card"));
     fs::rename(session_.photo_folder() / "drawn.png", place("second card/drawn.png"));

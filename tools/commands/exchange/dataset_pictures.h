@@ -28,8 +28,8 @@ struct DatasetPictureOptions {
     double unchanged_px = 0.01;
 };
 
-/// With what its pictures were made, but the format and the masks' folder; nothing where the record
-/// does not say so.
+/// With what its pictures were made, as far as the request does not say it (DatasetRequest);
+/// nothing where the record does not say so.
 std::optional<DatasetPictureOptions> settings_of(const DatasetRecord& record);
 
 /// A picture that has to be made.

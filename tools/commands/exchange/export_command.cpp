@@ -138,7 +138,9 @@ int run_export(const CLI::App& command, const ExportArguments& arguments) {
     if (!format) return kUsageError;  // the option's check has refused it already
     const auto session = open_session_reader(arguments.session, StoreOptions{});
     if (!session.ok()) return report_error(session.error());
-    if (const auto apart = check_apart_from_photographs(arguments.output, **session); !apart.ok())
+    if (const auto apart =
+            check_apart_from_photographs(arguments.output, **session, arguments.session);
+        !apart.ok())
         return report_error(apart.error(), ErrorOrigin::kOtherInput);
     const auto scene = scene_to_export(**session, arguments);
     if (!scene.ok()) return report_error(scene.error());

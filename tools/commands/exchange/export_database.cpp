@@ -104,7 +104,7 @@ std::optional<Failure> write_database(const SessionReader& session,
 int export_database(const std::string& session, const std::filesystem::path& folder) {
     const auto reader = open_session_reader(session, StoreOptions{});
     if (!reader.ok()) return report_error(reader.error());
-    if (const auto apart = check_apart_from_photographs(folder, **reader); !apart.ok())
+    if (const auto apart = check_apart_from_photographs(folder, **reader, session); !apart.ok())
         return report_error(apart.error(), ErrorOrigin::kOtherInput);
     auto images = (*reader)->images();
     if (!images.ok()) return report_error(images.error());

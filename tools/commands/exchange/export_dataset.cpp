@@ -22,6 +22,7 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/exchange/dataset_pictures.h"
+#include "tools/commands/exchange/dataset_request.h"
 #include "tools/commands/exchange/geo_files.h"
 #include "tools/commands/exchange/geo_report.h"
 #include "tools/commands/exchange/output_folder.h"
@@ -98,24 +99,6 @@ DatasetPictureOptions picture_options(const DatasetArguments& arguments) {
     return options;
 }
 
-/// With what an earlier export into the folder was asked for, where nothing else is asked for now.
-DatasetArguments as_before(DatasetArguments asked, const std::filesystem::path& output) {
-    const DatasetArguments defaults;
-    const std::filesystem::path place = asked.part ? output : output / "0";
-    const DatasetRecord record = read_dataset_record(place / kDatasetRecordName);
-    const auto before = settings_of(record);
-    if (!before) return asked;
-    if (asked.reductions.empty()) asked.reductions = before->picture.reductions;
-    if (asked.max_size == defaults.max_size) asked.max_size = before->view.max_size;
-    if (asked.blank_pixels == defaults.blank_pixels) asked.blank_pixels = before->view.blank_pixels;
-    if (asked.jpeg_quality == defaults.jpeg_quality)
-        asked.jpeg_quality = before->picture.jpeg_quality;
-    asked.off_centre = asked.off_centre || !before->view.centred;
-    asked.masks = asked.masks || before->picture.masks;
-    if (!asked.share_location) asked.share_location = record.tells_location;
-    return asked;
-}
-
 bool is_picture_folder(const std::string& name) {
     return name.starts_with("images") || name.starts_with("masks");
 }
@@ -137,9 +120,12 @@ class DatasetExport {
         names_ = dataset_names(names, contents.removed);
         if (options_.picture.mask_folder.empty())
             options_.picture.mask_folder = contents.mask_folder;
-        photos_ = contents.photo_folders;
-        if (!arguments.images.empty())
-            photos_.assign(arguments.images.begin(), arguments.images.end());
+        photos_.assign(arguments.images.begin(), arguments.images.end());
+        // Photographs that came since an earlier export named its folders lie in the session's.
+        if (photos_.empty() || arguments.as_before) {
+            photos_.insert(photos_.end(), contents.photo_folders.begin(),
+                           contents.photo_folders.end());
+        }
     }
 
     std::optional<Failure> run() {
@@ -229,7 +215,7 @@ class DatasetExport {
         if (auto staged = stage_dataset(undistorted, place, options_.picture.masks, files_);
             !staged.ok())
             return of_output(staged.error());
-        plan->record.tells_location = tells_location(contents_.session, arguments_.share_location);
+        plan->record.asked = request_of(arguments_);
         records_.emplace_back(place / kDatasetRecordName, dataset_record_text(plan->record));
         for (std::size_t i = 0; i < planned.size(); ++i) {
             if (!planned[i] || plan->images[i]) continue;
@@ -316,17 +302,21 @@ class DatasetExport {
 };
 
 std::optional<Failure> check_parts(const DatasetContents& contents, const std::string& session,
-                                   const DatasetArguments& arguments) {
+                                   const std::string& output, const DatasetArguments& arguments) {
     if (contents.models.empty()) {
         return of_session({ErrorCode::kNotFound, session + ": the session has no model yet: " +
                                                      counted(contents.scene.image_count, "image") +
                                                      " waiting; `psfm status` says why"});
     }
     if (arguments.part && *arguments.part >= contents.models.size()) {
-        return of_output({ErrorCode::kNotFound,
-                          session + " has " + counted(contents.models.size(), "connected part") +
-                              ", numbered from 0: there is no part " +
-                              std::to_string(*arguments.part)});
+        return of_output(
+            {ErrorCode::kNotFound,
+             session + " has " + counted(contents.models.size(), "connected part") +
+                 ", numbered from 0: there is no part " + std::to_string(*arguments.part) +
+                 (arguments.as_before ? ", which " + output +
+                                            " was made of: name another one with `psfm export "
+                                            "--format dataset --part`"
+                                      : "")});
     }
     return std::nullopt;
 }
@@ -337,20 +327,21 @@ int export_dataset(const std::string& session, const std::string& output,
                    std::optional<std::uint32_t> after_image, const DatasetArguments& arguments) {
     const auto reader = open_session_reader(session, StoreOptions{});
     if (!reader.ok()) return report_error(reader.error());
-    if (const auto apart = check_apart_from_photographs(output, **reader); !apart.ok())
+    if (const auto apart = check_apart_from_photographs(output, **reader, session); !apart.ok())
         return report_error(apart.error(), ErrorOrigin::kOtherInput);
     auto contents = read_session(**reader, session, after_image);
     if (!contents.ok()) return report_error(contents.error());
-    if (const auto failure = check_parts(*contents, session, arguments))
-        return report_error(failure->error, failure->origin);
     auto previous = PreviousExport::take(output);
     if (!previous.ok()) return report_error(previous.error(), ErrorOrigin::kOtherInput);
     const ThreadBudget budget(arguments.threads);
-    DatasetArguments asked = arguments.as_before ? as_before(arguments, output) : arguments;
-    std::ranges::sort(asked.reductions);
-    const auto again = std::ranges::unique(asked.reductions);
-    asked.reductions.erase(again.begin(), again.end());
-    DatasetExport dataset(*contents, asked, output, *std::move(previous));
+    auto asked = with_request_of_before(arguments, output, *previous);
+    if (!asked.ok()) return report_error(asked.error(), ErrorOrigin::kOtherInput);
+    if (const auto failure = check_parts(*contents, session, output, *asked))
+        return report_error(failure->error, failure->origin);
+    std::ranges::sort(asked->reductions);
+    const auto again = std::ranges::unique(asked->reductions);
+    asked->reductions.erase(again.begin(), again.end());
+    DatasetExport dataset(*contents, *asked, output, *std::move(previous));
     const auto failure = dataset.run();
     if (failure) return report_error(failure->error, failure->origin);
     dataset.print();

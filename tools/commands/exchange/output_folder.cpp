@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scheduler/session/photo_folders.h"
 #include "storage/exchange/files/locked_folder.h"
 
 namespace psfm {
@@ -54,12 +55,17 @@ Result<void> check_apart_from_photographs(const fs::path& output, const fs::path
                      "is written there: choose another output folder"};
 }
 
-Result<void> check_apart_from_photographs(const fs::path& output, const SessionReader& session) {
-    const auto settings = session.settings();
-    if (!settings.ok()) return settings.error();
-    const auto images = session.images();
+Result<void> check_apart_from_photographs(const fs::path& output, const SessionReader& reader,
+                                          const fs::path& session) {
+    const auto folders = photo_folders(reader, session);
+    if (!folders.ok()) return folders.error();
+    const auto images = reader.images();
     if (!images.ok()) return images.error();
-    return check_apart_from_photographs(output, settings->photo_folder, *images);
+    for (const fs::path& folder : *folders) {
+        auto apart = check_apart_from_photographs(output, folder, *images);
+        if (!apart.ok()) return apart.error();
+    }
+    return {};
 }
 
 }  // namespace psfm

@@ -18,13 +18,16 @@ Result<void> check_output_folder(const std::filesystem::path& output,
 
 /// Whether it may be exported there as far as the next `psfm run` goes, which looks for photographs
 /// in a folder and below, and passes over what psfm exported.
-/// @param photo_folder  of the last run; empty: none
+/// @param photo_folder  of that run; empty: none
 /// @param images  named within it
 /// @errors kInvalidArgument: it is the photographs' folder, or one within that has some
 Result<void> check_apart_from_photographs(const std::filesystem::path& output,
                                           const std::filesystem::path& photo_folder,
                                           std::span<const Image> images);
+/// The same of every folder that the session's photographs may lie in: photo_folders().
+/// @errors those of the reader, too
 Result<void> check_apart_from_photographs(const std::filesystem::path& output,
-                                          const SessionReader& session);
+                                          const SessionReader& reader,
+                                          const std::filesystem::path& session);
 
 }  // namespace psfm
