@@ -136,6 +136,7 @@ class Photographs {
 
     std::vector<PhotoFile> unknown_in_database(const std::set<std::string>& known) const {
         std::vector<PhotoFile> photos;
+        photos.reserve(config_->order.size());
         for (const std::string& name : config_->order) photos.push_back({input_, name});
         if (photos.empty()) {
             const auto database = ColmapDatabase::open(input_);
