@@ -126,7 +126,7 @@ class DotLoop {
             column_keys[j / kStripColumns].lane[j % kStripColumns] = column_key(j);
         for (std::size_t begin = 0; begin < in_.row_count; begin += kSliceRows) {
             const std::size_t end = smaller(begin + kSliceRows, in_.row_count);
-            Slice slice;
+            Slice slice;  // NOLINT: load_slice() writes all that is read
             load_slice(begin, begin, end, slice);
             for (std::size_t strip = 0; strip < strips_; strip += Isa::kTileStrips) {
                 for (std::size_t r = 0; r < slice.rows_used; r += Isa::kTileRows) {
@@ -184,7 +184,7 @@ class DotLoop {
     /// strips [strip_begin, strip_end) of one column block.
     void run_slice(std::size_t block, std::size_t begin, std::size_t end, std::size_t strip_begin,
                    std::size_t strip_end) {
-        Slice slice;
+        Slice slice;  // NOLINT: load_slice() writes all that is read
         load_slice(block, begin, end, slice);
         LaneMinima row_minima[kSliceRows];
         for (LaneMinima& minima : row_minima) clear(minima);
