@@ -96,7 +96,8 @@ struct LowestTwo {
 /// Isa::Vector holds kLanes sums; Isa::Tile is a kTileRows x kTileStrips tile of strips, each in
 /// kStripColumns / kLanes vectors. Isa::add_products(rows, strips, k, sums) adds the products of
 /// bytes k … k + 3, where rows points at byte k of the tile's first row. Isa::lowest_two(lanes) is
-/// asked once for each row and cell: with few columns it takes as long as their products.
+/// asked once for each row and cell: with few columns one lane after the other would take half as
+/// long as their products.
 template <typename Isa>
 class DotLoop {
   public:

@@ -30,6 +30,16 @@ class ExportAgain : public testing::Test {
         return testing::internal::GetCapturedStderr();
     }
 
+    /// Whatever the format: it has the photographs.
+    void expect_refused(const fs::path& output) {
+        for (const char* format : {"dataset", "ply", "colmap-database"}) {
+            const std::string refused = export_to(output, format);
+            EXPECT_EQ(exit_code_, 3) << output << format;
+            EXPECT_NE(refused.find(output.string() + " has the photographs"), std::string::npos)
+                << refused;
+        }
+    }
+
     fs::path place(const std::string& name) const { return folder_.path() / name; }
 
     /// Every file, without following links, with its content.
@@ -133,14 +143,7 @@ TEST_F(ExportAgain, LinksOfOthersStopIt) {
 
 TEST_F(ExportAgain, NothingGoesAmongThePhotographs) {
     const fs::path photos = session_.photo_folder();
-    for (const fs::path& output : {photos, photos / "a", photos / "." / ""}) {
-        for (const char* format : {"dataset", "ply", "colmap-database"}) {
-            const std::string refused = export_to(output, format);
-            EXPECT_EQ(exit_code_, 3) << output << format;
-            EXPECT_NE(refused.find(output.string() + " has the photographs"), std::string::npos)
-                << refused;
-        }
-    }
+    for (const fs::path& output : {photos, photos / "a", photos / "." / ""}) expect_refused(output);
     EXPECT_EQ(state_of(photos), photos_);
     testing::internal::CaptureStderr();
     EXPECT_EQ(test::psfm_command({"run", photos.string(), "--session", place("new").string(),
@@ -158,14 +161,8 @@ TEST_F(ExportAgain, NothingGoesAmongThePhotographsOfEarlierRuns) {
     const fs::path photos = session_.photo_folder();
     fs::create_directory(place("second card"));
     session_.run_of(place("second card"));
-    for (const fs::path& output : {photos, photos / "a", place("second card")}) {
-        for (const char* format : {"dataset", "ply", "colmap-database"}) {
-            const std::string refused = export_to(output, format);
-            EXPECT_EQ(exit_code_, 3) << output << format;
-            EXPECT_NE(refused.find(output.string() + " has the photographs"), std::string::npos)
-                << refused;
-        }
-    }
+    for (const fs::path& output : {photos, photos / "a", place("second card")})
+        expect_refused(output);
     EXPECT_EQ(state_of(photos), photos_);
     export_to(photos / "train", "ply");
     EXPECT_EQ(exit_code_, 0);

@@ -92,6 +92,43 @@ TEST(GrowModel, AnImageThatSeesFewPointsIsPlacedWhereStructureConfirmsIt) {
     EXPECT_EQ(without->model->images.size(), 11U);
 }
 
+/// Gives `wrong` of the features that the last two images share and others have as well to each
+/// other.
+void mistake(std::vector<VerifiedPairPtr>& pairs, std::size_t wrong) {
+    std::set<std::uint32_t> shared;
+    for (const VerifiedPairPtr& pair : pairs) {
+        if (!has(pair->pair, kLastButOne) || has(pair->pair, kLast)) continue;
+        for (const FeatureMatch& match : pair->geometry.inliers)
+            shared.insert(feature_in(pair->pair, kLastButOne, match));
+    }
+    for (VerifiedPairPtr& pair : pairs) {
+        if (!has(pair->pair, kLast)) continue;
+        VerifiedPair changed = *pair;
+        std::vector<FeatureMatch*> mistaken;
+        for (FeatureMatch& match : changed.geometry.inliers) {
+            if (shared.contains(match.first) && mistaken.size() < wrong) mistaken.push_back(&match);
+        }
+        for (std::size_t i = 0; i + 1 < mistaken.size(); ++i)
+            std::swap(mistaken[i]->second, mistaken[i + 1]->second);
+        pair = std::make_shared<const VerifiedPair>(std::move(changed));
+    }
+}
+
+TEST(GrowModel, WhoSeesEnoughPointsOfWhichTooFewAgreeIsAskedForFewer) {
+    const SyntheticScene scene = synthetic::add_pixel_noise(
+        synthetic::make_scene(synthetic::ring_around_sphere(12), 1), 0.3, 2);
+    std::vector<VerifiedPairPtr> pairs = thin_chain(scene, 26);
+    mistake(pairs, 9);
+    ClusterProblem problem = problem_of(scene, pairs);
+    problem.fix_intrinsics = true;
+    const auto solution = solve_cluster(problem, {});
+    ASSERT_TRUE(solution.ok());
+    EXPECT_EQ(solution->model->images.size(), 12U) << "17 of 26 agree";
+    const auto error = synthetic::compare_with_truth(*solution->model, scene);
+    ASSERT_TRUE(error.ok());
+    EXPECT_LT(error->max_position, 0.1);  // of a ring of 8 m radius
+}
+
 TEST(GrowModel, FewerPointsThanThatAreNoPose) {
     const SyntheticScene scene = synthetic::add_pixel_noise(
         synthetic::make_scene(synthetic::ring_around_sphere(12), 1), 0.3, 2);

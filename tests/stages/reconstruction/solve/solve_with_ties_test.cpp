@@ -186,6 +186,28 @@ TEST(SolveWithTies, NewImagesJoinAndTheVerdictIsRevised) {
     EXPECT_EQ(solved(settled).model->cameras.size(), 1U);
 }
 
+TEST(SolveWithTies, ModelsFromWhereCamerasWereTiedHaveThoseOfTheProblem) {
+    const SyntheticScene scene = ring(8, 1);
+    ClusterProblem problem = problem_without_exif(scene);
+    problem.alike.clear();
+    std::vector<ImageId> ids;
+    for (const ClusterImage& image : problem.images) ids.push_back(image.id);
+    Reconstruction tied = synthetic::true_reconstruction(scene, Sim3{}, ids);
+    const Camera lens = tied.cameras.begin()->second;
+    tied.cameras = {{CameraId{77}, lens}};
+    for (RegisteredImage& image : tied.images) image.camera = CameraId{77};
+    problem.recycled = {std::make_shared<const Reconstruction>(std::move(tied))};
+    const auto solution = solve_with_ties(problem, {}, [&](const ClusterProblem& asked) {
+        const Reconstruction& model = *asked.recycled.front();
+        for (std::size_t i = 0; i < model.images.size(); ++i) {
+            EXPECT_EQ(model.images[i].camera, asked.images[i].camera);
+            EXPECT_EQ(model.cameras.at(model.images[i].camera).fx(), lens.fx());
+        }
+        return Result<SolveAttempt>(SolveAttempt{});
+    });
+    EXPECT_TRUE(solution.ok());
+}
+
 TEST(SolveWithTies, GivenIntrinsicsAreNotTied) {
     const SyntheticScene scene = with_noise(ring(8, 8), 8);
     ClusterProblem problem = problem_without_exif(scene);
