@@ -10,6 +10,7 @@
 
 #include "graph/sorted_unique.h"
 #include "scheduler/report/describe_events.h"
+#include "scheduler/session/edges_between_clusters.h"
 #include "stages/clustering/host_cluster.h"
 #include "stages/clustering/update_clustering.h"
 #include "stages/merge/consistency/stand_together.h"
@@ -18,23 +19,6 @@ namespace psfm {
 namespace {
 
 using ClusterPair = std::pair<ClusterId, ClusterId>;
-
-/// All verified pairs between the images that two clusters place, edges at present or not.
-ClusterPairEdgesPtr verified_between(const EdgeSelection& selection, const ClusterEntry& a,
-                                     const ClusterEntry& b) {
-    std::vector<VerifiedPairPtr> edges;
-    std::vector<ImagePair> weak;
-    const Reconstruction& others = *b.published.model;
-    for (const RegisteredImage& image : a.published.model->images) {
-        for (const EdgeSelection::Edge& edge : selection.edges[index_of(image.image)]) {
-            if (others.find(edge.neighbor) != nullptr) edges.push_back(edge.pair);
-        }
-        for (const EdgeSelection::Edge& edge : selection.weak[index_of(image.image)]) {
-            if (others.find(edge.neighbor) != nullptr) weak.push_back(edge.pair->pair);
-        }
-    }
-    return cluster_pair_edges(a.id, b.id, std::move(edges), std::move(weak));
-}
 
 /// As far as they can in this process.
 bool all_settled(const ClusterTable& clusters) {
@@ -150,8 +134,10 @@ Result<bool> ClusterKeeper::may_reunite(const ClusterPair& clusters) {
     const ClusterEntry& a = state_->clusters.entries().at(first);
     const ClusterEntry& b = state_->clusters.entries().at(second);
     if (!a.published.model || !b.published.model) return false;
+    const ClusterConstraintOptions& options = options_->merge.constraint;
     return psfm::stand_together(*a.published.model, *b.published.model,
-                                *verified_between(state_->edges, a, b), options_->merge.constraint);
+                                *verified_between(state_->edges, state_->view_graph, a, b, options),
+                                options);
 }
 
 Result<StoredEdit> ClusterKeeper::apply(const EdgeChanges& edges,

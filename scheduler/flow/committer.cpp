@@ -94,7 +94,8 @@ Result<std::vector<UnplacedImage>> Committer::images_to_adopt() {
 }
 
 Result<MergeMessage> Committer::problem_of_merge() {
-    const std::shared_ptr<MergeProblem> problem = make_merge_problem(state_, config_);
+    const std::shared_ptr<MergeProblem> problem =
+        make_merge_problem(state_, config_, options_.merge);
     auto unplaced = images_to_adopt();
     if (!unplaced.ok()) return unplaced.error();
     std::vector<ClusterId> seen = clusters_to_look_into(*problem);

@@ -145,12 +145,14 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
     return problem;
 }
 
-std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config) {
+std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config,
+                                                 const MergeOptions& options) {
     auto problem = std::make_shared<MergeProblem>();
     for (const auto& [id, entry] : state.clusters.entries())
         problem->clusters.push_back(
             {id, entry.published.revision, entry.published.model, entry.published.cameras});
-    problem->pairs = state.merges.between.update(state.clusters, state.view_graph);
+    problem->pairs =
+        state.merges.between.update(state.clusters, state.view_graph, options.constraint);
     problem->known = state.merges.constraints;
     problem->known_poses = state.merges.known_poses;
     problem->previous = state.scene;

@@ -23,7 +23,8 @@ std::shared_ptr<const ClusterProblem> make_cluster_problem(const SessionState& s
 
 /// All clusters with the view graph's edges between placed images of different ones. Models of
 /// clusters that rest are without points.
-std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config);
+std::shared_ptr<MergeProblem> make_merge_problem(SessionState& state, const SessionConfig& config,
+                                                 const MergeOptions& options);
 
 /// Images that a solved cluster could not place and that have edges to what other clusters place:
 /// to be tried against the merged model, ascending. Not those that were adopted already: they stay

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 
+#include "stages/merge/consistency/weak_matches.h"
+
 namespace psfm {
 
-std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable& clusters,
-                                                              const ViewGraph& view_graph) {
+std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(
+    const ClusterTable& clusters, const ViewGraph& view_graph,
+    const ClusterConstraintOptions& options) {
     std::vector<ClusterId> outdated;
     for (const auto& [id, placed] : placed_) {
         const auto entry = clusters.entries().find(id);
@@ -31,7 +34,7 @@ std::vector<ClusterPairEdgesPtr> EdgesBetweenClusters::update(const ClusterTable
             placing_[index_of(image.image)] = id;
         }
     }
-    for (auto& [pair, found] : collect(changed, view_graph)) {
+    for (auto& [pair, found] : collect(changed, view_graph, options)) {
         between_[pair] = cluster_pair_edges(pair.first, pair.second, std::move(found.edges),
                                             std::move(found.weak));
     }
@@ -53,8 +56,9 @@ void EdgesBetweenClusters::forget(const std::vector<ClusterId>& clusters) {
 }
 
 std::map<EdgesBetweenClusters::ClusterPair, EdgesBetweenClusters::Found>
-EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed,
-                              const ViewGraph& view_graph) const {
+EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed, const ViewGraph& view_graph,
+                              const ClusterConstraintOptions& options) const {
+    WeakMatches matches(view_graph, options.min_weak_part);
     std::map<ClusterPair, Found> between;
     for (const ClusterId cluster : changed) {
         for (const ImageId image : placed_.at(cluster).images) {
@@ -63,16 +67,37 @@ EdgesBetweenClusters::collect(const std::vector<ClusterId>& changed,
                 if (!other || *other == cluster) continue;
                 // Where both have changed, it is found from the first one.
                 if (*other < cluster && std::ranges::binary_search(changed, *other)) continue;
+                const bool is_weak = edge.weight == 0.0;
+                if (is_weak && !matches.match(*edge.pair)) continue;
                 Found& found = between[std::minmax(cluster, *other)];
-                if (edge.weight > 0.0) {
-                    found.edges.push_back(edge.pair);
-                } else {
+                if (is_weak) {
                     found.weak.push_back(ImagePair::of(image, edge.neighbor));
+                } else {
+                    found.edges.push_back(edge.pair);
                 }
             }
         }
     }
     return between;
+}
+
+ClusterPairEdgesPtr verified_between(const EdgeSelection& selection, const ViewGraph& graph,
+                                     const ClusterEntry& a, const ClusterEntry& b,
+                                     const ClusterConstraintOptions& options) {
+    WeakMatches matches(graph, options.min_weak_part);
+    std::vector<VerifiedPairPtr> edges;
+    std::vector<ImagePair> weak;
+    const Reconstruction& others = *b.published.model;
+    for (const RegisteredImage& image : a.published.model->images) {
+        for (const EdgeSelection::Edge& edge : selection.edges[index_of(image.image)]) {
+            if (others.find(edge.neighbor) != nullptr) edges.push_back(edge.pair);
+        }
+        for (const EdgeSelection::Edge& edge : selection.weak[index_of(image.image)]) {
+            if (others.find(edge.neighbor) != nullptr && matches.match(*edge.pair))
+                weak.push_back(edge.pair->pair);
+        }
+    }
+    return cluster_pair_edges(a.id, b.id, std::move(edges), std::move(weak));
 }
 
 }  // namespace psfm

@@ -11,7 +11,9 @@
 #include "graph/ids.h"
 #include "graph/view_graph.h"
 #include "scheduler/session/cluster_table.h"
+#include "stages/algorithms/alignment/alignment_options.h"
 #include "stages/algorithms/alignment/cluster_constraint.h"
+#include "stages/clustering/select_edges.h"
 
 namespace psfm {
 
@@ -19,9 +21,11 @@ namespace psfm {
 /// only clusters that have changed are looked at again. Not thread-safe.
 class EdgesBetweenClusters {
   public:
+    /// @param options  which weak edges match cameras; the same at every call
     /// @return ascending by clusters; pairs of clusters that have not changed are those of before
     std::vector<ClusterPairEdgesPtr> update(const ClusterTable& clusters,
-                                            const ViewGraph& view_graph);
+                                            const ViewGraph& view_graph,
+                                            const ClusterConstraintOptions& options);
 
   private:
     /// What a cluster placed when it was looked at.
@@ -39,11 +43,20 @@ class EdgesBetweenClusters {
     };
     /// Each edge of a changed cluster once. @param changed  ascending
     std::map<ClusterPair, Found> collect(const std::vector<ClusterId>& changed,
-                                         const ViewGraph& view_graph) const;
+                                         const ViewGraph& view_graph,
+                                         const ClusterConstraintOptions& options) const;
 
     std::map<ClusterId, Placed> placed_;
     std::vector<std::optional<ClusterId>> placing_;  ///< by image
     std::map<ClusterPair, ClusterPairEdgesPtr> between_;
 };
+
+/// All verified pairs between the images that two clusters place, edges at present or not: of
+/// clusters that are kept apart none is.
+/// @param graph    that of the session, by which weak ones match cameras (WeakMatches)
+/// REQUIRES: both have a model
+ClusterPairEdgesPtr verified_between(const EdgeSelection& selection, const ViewGraph& graph,
+                                     const ClusterEntry& a, const ClusterEntry& b,
+                                     const ClusterConstraintOptions& options);
 
 }  // namespace psfm

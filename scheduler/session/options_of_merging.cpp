@@ -39,6 +39,10 @@ namespace {
         PSFM_OPTION(FIELD.max_unmatched_part, 0, 1,                                                \
                     "and their part of all that stand beside some",                                \
                     "ours, on the simulated town"),                                                \
+        PSFM_OPTION(FIELD.min_weak_part, 0, 1,                                                     \
+                    "part of the inliers of the best edge of either of its images by which a "     \
+                    "weak edge counts as one here",                                                \
+                    "ours, on quad-streams"),                                                      \
         PSFM_OPTION(FIELD.max_edges_per_pair, 0, kCount,                                           \
                     "edges looked at between two clusters; 0: all",                                \
                     "ours; not tuned: fifty fix seven numbers"),                                   \

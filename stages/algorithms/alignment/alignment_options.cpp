@@ -32,6 +32,8 @@ Result<void> validate(const ClusterConstraintOptions& options) {
         return invalid_alignment("companion_offset and companion_turn_deg must be positive");
     if (!(options.max_unmatched_part >= 0.0 && options.max_unmatched_part <= 1.0))
         return invalid_alignment("max_unmatched_part must be between 0 and 1");
+    if (!(options.min_weak_part >= 0.0 && options.min_weak_part <= 1.0))
+        return invalid_alignment("min_weak_part must be between 0 and 1");
     if (!(options.confidence >= 0.0 && options.confidence < 1.0)) {
         return invalid_alignment("confidence must be at least 0 and below 1");
     }

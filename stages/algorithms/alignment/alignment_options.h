@@ -43,6 +43,11 @@ struct ClusterConstraintOptions {
     /// And their part of all that stand beside some of the other cluster, at least. Ours: those
     /// beside the one facade that two streets have are matched.
     double max_unmatched_part = 0.2;
+    /// A weak edge counts as one here if it has this part of the inliers of the best edge of either
+    /// of its images; 0: each one counts. Raised: in streams of video, where most true pairs are
+    /// weak, right parts are kept apart; lowered: look-alikes match cameras. Ours, on quad-streams
+    /// (docs/notebook/2026-11-30-a-joint-of-look-alikes.md).
+    double min_weak_part = 0.2;
     /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
     /// slower, linear. Ours: fifty edges fix seven numbers many times over.
     std::uint32_t max_edges_per_pair = 50;

@@ -27,9 +27,10 @@ class Session {
         table_.apply(edit);
     }
 
-    void connect(std::uint32_t a, std::uint32_t b, double weight = 50.0) {
+    void connect(std::uint32_t a, std::uint32_t b, double weight = 50.0, std::size_t inliers = 50) {
         auto pair = std::make_shared<VerifiedPair>();
         pair->pair = ImagePair::of(image(a), image(b));
+        pair->geometry.inliers.resize(inliers);
         view_graph_.add_edge(image(a), image(b), weight, std::move(pair));
         table_.edges_changed(std::vector{image(a), image(b)});
     }
@@ -80,10 +81,16 @@ class Session {
     }
 
     ClusterTable& table() { return table_; }
+    const ClusterEntry& entry(std::uint32_t number) const {
+        return table_.entries().at(cluster(number));
+    }
+    const ViewGraph& view_graph() const { return view_graph_; }
     const std::map<ClusterId, std::vector<ImageId>>& members() const { return members_; }
-    std::vector<ClusterPairEdgesPtr> update() { return between_.update(table_, view_graph_); }
+    std::vector<ClusterPairEdgesPtr> update() {
+        return between_.update(table_, view_graph_, options_);
+    }
     std::vector<ClusterPairEdgesPtr> anew() const {
-        return EdgesBetweenClusters().update(table_, view_graph_);
+        return EdgesBetweenClusters().update(table_, view_graph_, options_);
     }
     bool connected(std::uint32_t a, std::uint32_t b) const {
         return view_graph_.find(image(a), image(b)) != nullptr;
@@ -95,6 +102,7 @@ class Session {
     ViewGraph view_graph_;
     std::map<ClusterId, std::vector<ImageId>> members_;
     EdgesBetweenClusters between_;
+    ClusterConstraintOptions options_;
 };
 
 std::vector<ImagePair> pairs_of(const ClusterPairEdges& edges) {
@@ -140,6 +148,32 @@ TEST(EdgesBetweenClusters, WeakOnesMatchImagesAndTieNothing) {
     EXPECT_EQ(pairs[1]->matched, (std::vector{ImagePair::of(image(5), image(9))}));
 }
 
+TEST(EdgesBetweenClusters, WeakOnesMatchByTheirPartOfTheBest) {
+    Session session;
+    for (std::uint32_t i = 0; i < 8; ++i) session.add_image(cluster(i / 4));
+    session.connect(0, 1, 500.0, 500);
+    session.connect(4, 5, 300.0, 300);
+    session.connect(0, 4, 0.0, 59);  // the better one of either image has 500 and 300
+    session.connect(1, 5, 0.0, 60);
+    session.solve();
+    ASSERT_EQ(session.update().size(), 1U);
+    EXPECT_EQ(session.update()[0]->matched, (std::vector{ImagePair::of(image(1), image(5))}));
+    session.disconnect(1, 5);
+    EXPECT_TRUE(session.update().empty()) << "clusters that look alike have nothing in common";
+}
+
+TEST(EdgesBetweenClusters, ABetterEdgeMakesAWeakOneNone) {
+    Session session = two_clusters();
+    session.connect(2, 6, 0.0, 30);
+    session.solve();
+    ASSERT_EQ(session.update().size(), 1U);
+    EXPECT_EQ(session.update()[0]->matched.size(), 3U);
+    session.connect(2, 3, 200.0, 200);
+    EXPECT_EQ(session.update()[0]->matched.size(), 3U) << "image 6 shares no more with any other";
+    session.connect(6, 7, 200.0, 200);
+    EXPECT_EQ(session.update()[0]->matched.size(), 2U);
+}
+
 TEST(EdgesBetweenClusters, ClustersThatHaveNotChangedAreNotLookedAtAgain) {
     Session session = two_clusters();
     for (std::uint32_t i = 8; i < 12; ++i) session.add_image(cluster(2));
@@ -155,6 +189,33 @@ TEST(EdgesBetweenClusters, ClustersThatHaveNotChangedAreNotLookedAtAgain) {
     EXPECT_EQ(after[0], before[0]);
     EXPECT_NE(after[1], before[1]);
     EXPECT_EQ(after[1]->hash, before[1]->hash) << "of the same pairs";
+}
+
+TEST(EdgesBetweenClusters, OfThoseKeptApartAreWhatWasVerified) {
+    Session session = two_clusters();
+    session.connect(4, 5, 300.0, 300);
+    session.solve();
+    session.disconnect(0, 4);
+    EdgeSelection selection;
+    selection.edges.resize(session.size());
+    selection.weak.resize(session.size());
+    const auto verified = [](std::uint32_t a, std::uint32_t b, std::size_t inliers) {
+        auto pair = std::make_shared<VerifiedPair>();
+        pair->pair = ImagePair::of(image(a), image(b));
+        pair->geometry.inliers.resize(inliers);
+        return EdgeSelection::Edge{image(b), 1.0, std::move(pair)};
+    };
+    selection.edges[0] = {verified(0, 1, 100), verified(0, 4, 80)};
+    selection.weak[0] = {verified(0, 5, 9), verified(0, 6, 9)};  // 5 has a better edge, as has 0
+    selection.weak[1] = {verified(1, 2, 40), verified(1, 5, 12)};
+    const auto pairs = verified_between(selection, session.view_graph(), session.entry(0),
+                                        session.entry(1), ClusterConstraintOptions{});
+    EXPECT_EQ(pairs->a, cluster(0));
+    EXPECT_EQ(pairs->b, cluster(1));
+    EXPECT_EQ(pairs_of(*pairs), (std::vector{ImagePair::of(image(0), image(4))}));
+    EXPECT_EQ(pairs->matched,
+              (std::vector{ImagePair::of(image(0), image(4)), ImagePair::of(image(0), image(6)),
+                           ImagePair::of(image(1), image(5))}));
 }
 
 TEST(EdgesBetweenClusters, AGuestIsItsHosts) {
