@@ -58,7 +58,14 @@ CameraTies ties_with(const Zooms& zooms, Zooms labels, const ClusterProblem& pro
     return ties_of(labels, problem);
 }
 
-/// The lens of each zoom in a model that was adjusted with them.
+std::size_t count_of(const Zooms& zooms) {
+    std::set<std::size_t> values;
+    for (const auto& [camera, zoom] : zooms) values.insert(zoom);
+    return values.size();
+}
+
+/// The lens of each zoom in a model that was adjusted with them, as far as the model has images of
+/// it.
 std::vector<Camera> lenses_of(const Reconstruction& model, const ClusterProblem& problem,
                               const Zooms& zooms) {
     std::map<std::size_t, Camera> lenses;
@@ -80,6 +87,7 @@ Zooms best_zooms(const TiedModel& with, const ClusterProblem& problem, const Zoo
     std::vector<CameraId> cameras;
     for (const auto& [camera, zoom] : zooms) cameras.push_back(camera);
     const std::vector<Camera> lenses = lenses_of(*with.model, problem, zooms);
+    if (lenses.size() < count_of(zooms)) return zooms;  // of one that is not there nothing is known
     const std::size_t common = most_common(zooms | std::views::values).first;
     Zooms best = zooms;
     for (const auto& [camera, costs] :
@@ -102,12 +110,6 @@ Zooms numbered(Zooms zooms) {
     return zooms;
 }
 
-std::size_t count_of(const Zooms& zooms) {
-    std::set<std::size_t> values;
-    for (const auto& [camera, zoom] : zooms) values.insert(zoom);
-    return values.size();
-}
-
 /// Which of some zooms each camera has; those that deviate from it have one of their own.
 Zooms settle_zooms(Zooms zooms, const TiedModel& apart, const ClusterProblem& problem,
                    const Zooms& labels, const TieOptions& options) {
@@ -125,7 +127,8 @@ Zooms settle_zooms(Zooms zooms, const TiedModel& apart, const ClusterProblem& pr
     if (compared == kinds.end()) return {};
     std::size_t next = count_of(zooms);
     for (const ReleasedCamera& camera : compared->second) {
-        if (camera.deviates) zooms.at(camera.camera) = next++;
+        const auto zoom = zooms.find(camera.camera);  // these may be more than were asked about
+        if (camera.deviates && zoom != zooms.end()) zoom->second = next++;
     }
     return numbered(std::move(zooms));
 }

@@ -71,6 +71,30 @@ TEST(FindZooms, TwoZoomsAreTwoCamerasThoughEachIsUnsure) {
     EXPECT_GT(cameras_of(problem, 1), 2U) << "without the question";
 }
 
+// Models that were adjusted with other ties may place other images.
+TEST(FindZooms, OnlyOfTheCamerasThatItIsAskedAbout) {
+    const ClusterProblem problem = thin_with_zooms(1.3);
+    SolveOptions options;
+    options.ties.max_zooms = 1;
+    const auto solution = solve_cluster(problem, options);
+    ASSERT_TRUE(solution.ok());
+    const auto adjusted = [&](const CameraTies& ties) {
+        return adjust_tied(solution->model, problem, ties, 1, options.ties);
+    };
+    const TiedModel apart = adjusted(untied(problem));
+    const Kinds kinds = compare_ties(adjusted(all_tied(problem)), apart, problem, options.ties);
+    ASSERT_EQ(kinds.size(), 1U);
+    std::vector<ReleasedCamera> asked = kinds.begin()->second;
+    ASSERT_EQ(asked.size(), 12U);
+    // A wide one and a zoomed one are left with each other, and deviate.
+    asked.erase(asked.begin(), asked.begin() + 2);
+    const auto zooms =
+        find_zooms(asked, apart, problem, labels_of(all_tied(problem)), TieOptions());
+    EXPECT_FALSE(zooms.empty());
+    EXPECT_FALSE(zooms.contains(CameraId{0}));
+    EXPECT_FALSE(zooms.contains(CameraId{1}));
+}
+
 // An image that was placed with a wrong zoom, where it fits best with that, is told its own.
 TEST(CostsByLens, AnImagePlacedWithAWrongZoomCostsLessWithItsOwn) {
     const ClusterProblem problem = thin_with_zooms(1.3);
