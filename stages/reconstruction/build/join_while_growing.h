@@ -10,7 +10,7 @@
 
 namespace psfm {
 
-/// Adjusts what was joined. @return whether the model is gone on with
+/// Adjusts what was joined. @return whether to go on with the model
 using HandleJoint = std::function<Result<bool>(const Recycling&)>;
 
 /// Adds images to a model to which recycled ones were joined (grow_model). Those of which no edge

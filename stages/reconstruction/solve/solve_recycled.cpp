@@ -58,7 +58,7 @@ Result<void> adjust_joined(SolveDraft& draft, const Recycling& recycling,
 
 /// Adjusts models that were joined, unless they show different places: what would only come apart
 /// again is not adjusted first.
-/// @return these places; none: the model is gone on with
+/// @return these places; none: the solve goes on with the model
 Result<Places> adjust_joint(SolveDraft& draft, const Recycling& recycling,
                             const SolveContext& context) {
     complete_tracks(draft.model, recycling.joint, context.options.tracks);
