@@ -13,7 +13,7 @@ namespace {
 #define PSFM_CONSTRAINT_OPTIONS(FIELD)                                                             \
     PSFM_OPTION(FIELD.max_error, 1e-5, 1,                                                          \
                 "image distance at which two clusters' points agree, over the longer side",        \
-                "ours: 8 px in 1536"),                                                             \
+                "ours; not tuned: 8 px in 1536"),                                                  \
         PSFM_OPTION(FIELD.min_edge_inliers, 3, kCount, "inliers that one edge's similarity needs", \
                     "ours; not tuned"),                                                            \
         PSFM_OPTION(FIELD.min_pair_inliers, 3, kCount,                                             \
@@ -25,7 +25,7 @@ namespace {
                     "paper: lambda_s"),                                                            \
         PSFM_OPTION(FIELD.border_cameras, 0, kCount,                                               \
                     "cameras that may change their neighbour in any case; 0: none",                \
-                    "ours: clusters of five; paper: 0"),                                           \
+                    "ours; not tuned: clusters of five; paper: 0"),                                \
         PSFM_OPTION(                                                                               \
             FIELD.companion_offset, 0, 100,                                                        \
             "distance of cameras that stand beside each other, over the depth of what they see",   \
@@ -35,21 +35,21 @@ namespace {
         PSFM_OPTION(                                                                               \
             FIELD.min_unmatched_cameras, 0, kCount,                                                \
             "cameras without an edge to those beside them that keep clusters apart; 0: never",     \
-            "ours, on the simulated town; paper: 0"),                                              \
+            "ours, on the simulated town; docs/look-alikes.md, \"Places\"; paper: 0"),             \
         PSFM_OPTION(FIELD.max_unmatched_part, 0, 1,                                                \
                     "and their part of all that stand beside some",                                \
-                    "ours, on the simulated town"),                                                \
+                    "ours, on the simulated town; docs/look-alikes.md, \"Places\""),               \
         PSFM_OPTION(FIELD.min_weak_part, 0, 1,                                                     \
                     "part of the inliers of the best edge of either of its images by which a "     \
                     "weak edge counts as one here",                                                \
-                    "ours, on quad-streams"),                                                      \
+                    "ours, on quad-streams; docs/notebook, a joint of look-alikes"),               \
         PSFM_OPTION(FIELD.max_edges_per_pair, 0, kCount,                                           \
                     "edges looked at between two clusters; 0: all",                                \
                     "ours; not tuned: fifty fix seven numbers"),                                   \
         PSFM_OPTION(FIELD.confidence, 0, 0.999999999,                                              \
                     "chance of one clean sample at which RANSAC stops", "ours; not tuned"),        \
         PSFM_OPTION(FIELD.max_ransac_iterations, 1, kCount, "samples at most",                     \
-                    "ours: three times what the confidence asks"),                                 \
+                    "ours; not tuned: three times the 337 that the confidence asks for"),          \
         PSFM_OPTION(FIELD.edges_as_starts, 0, kCount,                                              \
                     "similarities of single edges that the final one may start from",              \
                     "ours; not tuned"),                                                            \
@@ -78,11 +78,11 @@ constexpr std::array kMergingOptions{
     PSFM_OPTION(merge.georeference.hold_angle_deg, 0, 180, "turn that is kept in any case [deg]", "ours; not tuned"),
     PSFM_OPTION(merge.georeference.horizontal_sigma_m, 0.001, 1e5, "standard deviation of positions, east and north [m]", "GPS.gov: 4.9 m under open sky"),
     PSFM_OPTION(merge.georeference.inlier_sigmas, 0.1, 1000, "standard deviations within which a position agrees with a place", "customary"),
-    PSFM_OPTION(merge.georeference.max_heading_sigma, 1e-4, 10, "standard deviation of the heading at most [rad]", "ours: 14 degrees"),
+    PSFM_OPTION(merge.georeference.max_heading_sigma, 1e-4, 10, "standard deviation of the heading at most [rad]", "ours; not tuned: 14 degrees"),
     PSFM_OPTION(merge.georeference.min_inlier_ratio, 0, 1, "part of a part's positions that have to agree with its place", "ours; not tuned"),
     PSFM_OPTION(merge.georeference.min_positions, 3, kCount, "positions that a place needs", "two cannot contradict each other"),
-    PSFM_OPTION(merge.georeference.samples, 1, kCount, "minimal samples tried", "ours: all miss with a chance of 3e-12"),
-    PSFM_OPTION(merge.georeference.vertical_sigma_m, 0.001, 1e5, "standard deviation of altitudes [m]", "ours: three times worse"),
+    PSFM_OPTION(merge.georeference.samples, 1, kCount, "minimal samples tried", "ours; not tuned: all miss with a chance of 3e-12"),
+    PSFM_OPTION(merge.georeference.vertical_sigma_m, 0.001, 1e5, "standard deviation of altitudes [m]", "ours; not tuned: three times worse"),
 };
 // clang-format on
 #undef PSFM_CONSTRAINT_OPTIONS

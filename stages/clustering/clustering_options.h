@@ -31,7 +31,8 @@ struct ClusteringOptions {
     /// come (join_late); 0: they stay by themselves, as in the paper. Raised: thin parts are
     /// reconstructed together, and look-alikes among them come apart only by what the model shows;
     /// lowered: images wait for ever that one model of all of them would place. Ours: the paper's
-    /// mu_min would do for what waits; twice that puts `kitchen` into one part.
+    /// mu_min would do for what waits; twice that puts `kitchen` into one part; not tuned
+    /// further.
     std::uint32_t join_below = 10;
     /// Clusters that together have more images, each of them at least `hold_from`, are joined only
     /// by join_late, when no more images come: until then what happens in one of them

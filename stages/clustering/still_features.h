@@ -12,7 +12,7 @@
 namespace psfm {
 
 /// What of an image is no part of the scene, by all its pairs. Ours, tuned on datasets/cases and
-/// rendered scenes (docs/verification.md).
+/// rendered scenes, and not further (docs/verification.md, "What stands still").
 struct StillFeatureOptions {
     /// Pairs that show a feature stand still while the scene moves, at least; 0: none is looked
     /// for, as in the paper. Raised: what is on the photograph itself stays in for longer; lowered:

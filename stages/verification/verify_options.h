@@ -10,7 +10,8 @@
 namespace psfm {
 
 /// What does not move from one photograph to another, and whether it is of the scene. Ours, all of
-/// it, tuned on datasets/cases and rendered scenes (docs/verification.md).
+/// it, tuned on datasets/cases and rendered scenes; docs/verification.md, "What stands still", has
+/// figures of min_matches and max_motion_px, the others were not tuned further.
 struct StillOptions {
     /// Fewest matches at one place for which a pair is looked at twice; 0: none is, as in the
     /// paper. Raised: small watermarks count as scene; lowered: chance costs time.
@@ -61,27 +62,29 @@ struct VerifyOptions {
     double max_uncalibrated_error_px = 3.0;
     /// Scale of the Cauchy loss in the refinement [px]. Raised: coarse matches pull the pose;
     /// lowered: the pose rests on few matches and the refinement finds local minima. Source: ours,
-    /// as above.
+    /// on Strecha's scenes (docs/verification.md).
     double refine_loss_px = 0.3;
     /// Fewest inliers of a verified pair. Source: COLMAP's min_num_inliers.
     int min_inliers = 15;
     /// Least share of the putative matches that must be inliers. Raised: pairs with little overlap
     /// are lost; lowered: wrong pairs pass, and RANSAC takes longer to give up. On Strecha's scenes
     /// 0.15 verifies 3 more true pairs than 0.25 and 26 more wrong ones, which have few inliers and
-    /// are weak edges at most; `kitchen` needs true pairs below 0.25. Ours, on these.
+    /// are weak edges at most; `kitchen` needs true pairs below 0.25. Ours, on these
+    /// (docs/verification.md).
     double min_inlier_ratio = 0.1;
     /// Share of the epipolar inliers that a homography must hold to explain the pair: then the
     /// scene is planar or the camera only turned. Source: COLMAP's max_H_inlier_ratio.
     double homography_ratio = 0.8;
     /// Share of the homography's inliers that a mere rotation must hold for kPureRotation. Raised:
-    /// short baselines get an arbitrary direction; lowered: usable ones lose theirs. Source: ours,
-    /// as above.
+    /// short baselines get an arbitrary direction; lowered: usable ones lose theirs. Source: ours
+    /// (docs/verification.md).
     double rotation_ratio = 0.8;
     /// Probability of having drawn one clean sample when RANSAC stops. Source: COLMAP.
     double confidence = 0.999;
     /// RANSAC iterations at most. Raised: wrong pairs take longer (about 15 us each), and more of
-    /// them pass; lowered: pairs with many wrong matches are missed. Source: ours, as above: 10000
-    /// finds 199 true pairs where this finds 197, and takes six times as long over wrong ones.
+    /// them pass; lowered: pairs with many wrong matches are missed. Source: ours, on Strecha's
+    /// scenes: 10000 finds 199 true pairs where this finds 197, and takes six times as long over
+    /// wrong ones.
     int max_iterations = 1000;
     StillOptions still;
 };

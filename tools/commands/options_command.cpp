@@ -51,7 +51,14 @@ void print_markdown(const StageOptions& defaults, const StageOptions& paper) {
                  "of it, what it was "
                  "tuned on or where its figures are, or that it was not tuned. What raising "
                  "and\nlowering does stands in "
-                 "the header of its struct.\n";
+                 "the header of its struct.\n\n"
+                 "Not in the table: `psfm localise`, `psfm evaluate` and features that an import "
+                 "finds in photographs have no other\n"
+                 "values than those in their structs (`LocaliseOptions`, `LocalisationMapOptions`, "
+                 "`EvaluationOptions`,\n"
+                 "`AdoptFeaturesOptions`); pictures of a `dataset` go by the flags of its export "
+                 "(`PictureOptions`), the words of\n"
+                 "`psfm vocabulary train` by its `--words` (`TrainOptions`).\n";
     std::string_view stage;
     for (const NamedOption& option : option_table()) {
         if (const auto of = option.name.substr(0, option.name.find('.')); of != stage) {

@@ -16,7 +16,7 @@ struct AdjustmentOptions {
     /// Iterations at most. COLMAP 3.8: 50 for global, 25 for local adjustments.
     int max_iterations = 50;
     /// Stop when a step improves the cost by less than this fraction. Higher: faster, less
-    /// accurate. Ours; Ceres has 1e-6, COLMAP 3.8 0.
+    /// accurate. Ours; not tuned; Ceres has 1e-6, COLMAP 3.8 0.
     double function_tolerance = 1e-6;
     /// Memory of the reduced camera system, up to which it is formed point by point and factorised
     /// by tiles, and nothing else is kept. Empty tiles take none: 3,800 images that all see each
@@ -29,7 +29,8 @@ struct AdjustmentOptions {
     double sigma_per_scale = 1.0;
     /// Standard deviation of a principal point from the image's centre, over the longer side, where
     /// it is free. Higher: scenes that hardly determine it move it far; lower: what lenses really
-    /// have is not found. Ours: the Strecha cameras have 0.007.
+    /// have is not found. Ours: the Strecha cameras have 0.007, and 0.003 or 0.01 give the same
+    /// within a fifth (docs/accuracy.md).
     double principal_point_sigma = 0.005;
 };
 
@@ -50,7 +51,8 @@ struct NoiseBounds {
     double max_error = 0.0;
     /// The loss is not narrower than this [px], and the bound on errors not below. Lowered: what
     /// rendered features are off by, and large features are always, counts as wrong; raised: exact
-    /// features are not made use of. Ours: nothing is found more exactly than the first.
+    /// features are not made use of. Ours; not tuned: nothing is found more exactly than the first,
+    /// and large features are off by as much as the second.
     double min_loss_px = 0.05;
     double min_max_error_px = 1.0;
 };

@@ -14,7 +14,8 @@ struct ClusterConstraintOptions {
     /// brought over, projects this close to the own one, in both images of its edge [fraction of
     /// the longer image side]. Distances in images need no scale of the scene and do not punish
     /// points for the uncertainty of their depth. Raised: wrong similarities gather inliers.
-    /// Lowered: drift between clusters rejects true ones. Ours: 0.005 is 8 px in 1536.
+    /// Lowered: drift between clusters rejects true ones. Ours; not tuned:
+    /// 0.005 is 8 px in 1536.
     double max_error = 0.005;
     /// Inliers that one edge's similarity needs. Lowered: chance agreements of look-alikes. Ours;
     /// not tuned.
@@ -32,7 +33,8 @@ struct ClusterConstraintOptions {
     /// tuned.
     std::uint32_t border_cameras = 2;
     /// Cameras stand beside each other when they are nearer than this part of the depth of what
-    /// they see, and their viewing directions differ by less [deg]. As PlaceOptions, ours.
+    /// they see, and their viewing directions differ by less [deg]. As PlaceOptions has them
+    /// (docs/look-alikes.md, "Places").
     double companion_offset = 0.25;
     double companion_turn_deg = 25.0;
     /// Cameras beside some of another cluster without an edge to any of them, at which the two
@@ -41,7 +43,7 @@ struct ClusterConstraintOptions {
     /// town (docs/look-alikes.md, "Places").
     std::uint32_t min_unmatched_cameras = 5;
     /// And their part of all that stand beside some of the other cluster, at least. Ours: those
-    /// beside the one facade that two streets have are matched.
+    /// beside the one facade that two streets have are matched (docs/look-alikes.md, "Places").
     double max_unmatched_part = 0.2;
     /// A weak edge counts as one here if it has this part of the inliers of the best edge of either
     /// of its images; 0: each one counts. Raised: in streams of video, where most true pairs are
@@ -49,7 +51,8 @@ struct ClusterConstraintOptions {
     /// (docs/notebook/2026-11-30-a-joint-of-look-alikes.md).
     double min_weak_part = 0.2;
     /// Edges looked at between two clusters, those with most correspondences first; 0: all. Raised:
-    /// slower, linear. Ours: fifty edges fix seven numbers many times over.
+    /// slower, linear. Ours; not tuned: fifty edges fix seven numbers
+    /// many times over.
     std::uint32_t max_edges_per_pair = 50;
     /// Similarities of single edges, those of the strongest, that the final one may start from
     /// beside random samples. Raised: slower; lowered: it is left to chance where most edges are
@@ -57,12 +60,13 @@ struct ClusterConstraintOptions {
     std::uint32_t edges_as_starts = 10;
     /// Where the final refinement's Huber loss bends, as a part of max_error: that counts as three
     /// standard deviations. Raised: what only just agrees pulls more; lowered: nearer to L1,
-    /// slower. Not tuned.
+    /// slower. Ours; not tuned.
     double loss_part = 1.0 / 3.0;
-    /// Chance of having drawn at least one sample without outliers [0, 1). Raised: slower.
+    /// Chance of having drawn at least one sample without outliers [0, 1). Raised: slower. Ours;
+    /// not tuned.
     double confidence = 0.9999;
     /// Samples at most, whatever the confidence asks. Lowered: similarities are missed among many
-    /// wrong correspondences. Ours: at min_inlier_ratio 0.3 the confidence asks for 337.
+    /// wrong correspondences. Ours; not tuned: at min_inlier_ratio 0.3 the confidence asks for 337.
     std::uint32_t max_ransac_iterations = 1000;
 };
 Result<void> validate(const ClusterConstraintOptions& options);

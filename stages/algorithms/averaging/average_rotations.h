@@ -49,7 +49,7 @@ struct RotationAveragingOptions {
     double consensus_deg = 0.0;
     /// An edge's vote counts weight^vote_power when parts are joined so. Raised: one strong wrong
     /// edge turns two parts; lowered: where half of all edges are wrong and agree, their number
-    /// does. Ours, on a simulated temple and quad-streams.
+    /// does. Ours, on a simulated temple and quad-streams (docs/look-alikes.md, "Rotations").
     double vote_power = 3.0;
     /// Parts that were joined so are asked again when all edges around them have a say, and turned
     /// where what speaks for another rotation is so many times what holds them, the strongest edge

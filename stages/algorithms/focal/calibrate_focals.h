@@ -17,10 +17,11 @@ namespace psfm {
 
 struct FocalCalibrationOptions {
     /// Fewest inliers of a pair that counts. Raised: wide baselines, which tell most, are left out;
-    /// lowered: accidental geometry votes. Source: ours, twice COLMAP's min_num_inliers.
+    /// lowered: accidental geometry votes. Source: ours; not tuned: twice COLMAP's
+    /// min_num_inliers.
     std::size_t min_pair_inliers = 30;
     /// Correspondences taken of a pair, evenly spread over its inliers. Raised: slower, and strong
-    /// pairs drown the others; lowered: noise. Source: ours, tuned on Strecha's scenes
+    /// pairs drown the others; lowered: noise. Source: ours, on Strecha's scenes
     /// (docs/verification.md).
     std::size_t max_pair_points = 200;
     /// Pairs taken at most, those that tell most first. Raised: slower (about 0.05 ms a pair and
@@ -31,16 +32,17 @@ struct FocalCalibrationOptions {
     double min_relative_focal = 0.3;
     double max_relative_focal = 4.0;
     /// Width of a pair's vote, as (s1 - s2) / (s1 + s2) of its essential matrix's singular values.
-    /// Raised: vaguer votes; lowered: fewer of them meet. Source: ours, as above.
+    /// Raised: vaguer votes; lowered: fewer of them meet. Source: ours, on Strecha's scenes
+    /// (docs/verification.md), as are the next three.
     double vote_width = 0.02;
-    /// Scale of the Cauchy loss on the Sampson errors [px]. Source: ours, as above.
+    /// Scale of the Cauchy loss on the Sampson errors [px]. Source: ours, on Strecha's scenes.
     double loss_px = 0.5;
     /// A pair whose mean cost a point [loss_px^2] reaches this weighs a quarter. Raised: wrong
-    /// pairs pull; lowered: only near-perfect ones count. Source: ours, as above.
+    /// pairs pull; lowered: only near-perfect ones count. Source: ours, on Strecha's scenes.
     double pair_loss = 0.3;
     /// Expected relative deviation of a camera from the others with photographs of its size.
     /// Raised: photographs that say little drift; lowered: different lenses are drawn together.
-    /// Source: ours, as above.
+    /// Source: ours, on Strecha's scenes.
     double spread = 0.1;
     /// Where the common focal length of one photograph size is expected, over its longer side, and
     /// with which deviation of its logarithm. Lowered deviation: pairs that know better are
@@ -53,7 +55,7 @@ struct FocalCalibrationOptions {
     double wide_angle_deg = 20.0;
     /// Relative uncertainty above which a camera is left at its guess. Source: ours; not tuned.
     double max_uncertainty = 0.2;
-    /// Steps of the joint refinement at most. Source: ours; most scenes need ten.
+    /// Steps of the joint refinement at most. Source: ours; not tuned: most scenes need ten.
     int max_iterations = 30;
 };
 

@@ -36,7 +36,7 @@ struct SiftOptions {
     double sigma = 1.6;
     /// The scale space is made in strips of so much [MiB]. Raised: more memory; lowered: more rows
     /// are computed twice. Changes no bit of the result. Ours: a third of the rows at the width of
-    /// 6,400 px that photographs of 3,200 px are doubled to.
+    /// 6,400 px that photographs of 3,200 px are doubled to (docs/features.md, "In strips").
     std::uint32_t strip_mib = 96;
 };
 

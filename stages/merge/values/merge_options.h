@@ -9,8 +9,8 @@
 
 namespace psfm {
 
-/// How far photographs are trusted to have been taken level. All ours: what hand-held photographs
-/// show.
+/// How far photographs are trusted to have been taken level. All ours; not tuned: what hand-held
+/// photographs show.
 struct GravityOptions {
     /// Standard deviation of the angle between a photograph's horizontal axis and the horizon.
     /// Raised: GPS positions tilt a model more. Lowered: slanted photographs do.
@@ -34,7 +34,7 @@ struct GeoreferenceOptions {
     /// referenced, wrong positions pull more. Lowered: good positions count as outliers. Phones in
     /// streets are 5 to 15 m off (GPS.gov: 4.9 m under open sky). Ours, from these.
     double horizontal_sigma_m = 5.0;
-    /// The same of altitudes; ours: three times worse.
+    /// The same of altitudes. Ours; not tuned: three times worse.
     double vertical_sigma_m = 15.0;
     /// Positions needed; at least 3, as two cannot contradict each other.
     std::uint32_t min_positions = 3;
@@ -45,7 +45,8 @@ struct GeoreferenceOptions {
     /// horizontal_sigma_m over the root of the cameras' summed squared distances from their mean.
     /// Errors of positions taken within minutes are alike, so number does not stand in for
     /// distance: some two cameras must be horizontal_sigma_m over this apart, 20 m. Raised: short
-    /// components jump as positions arrive. Lowered: they wait for longer. Ours: 14 degrees.
+    /// components jump as positions arrive. Lowered: they wait for longer. Ours; not tuned: 14
+    /// degrees.
     double max_heading_sigma = 0.25;
     /// A published place is kept while the estimate is not further off than this many of its own
     /// standard errors, in place and in heading. Raised: steps are rarer and larger. 0: every
@@ -53,8 +54,9 @@ struct GeoreferenceOptions {
     double hold = 1.0;
     /// A turn of less than this is kept in any case [deg]. Ours; not tuned.
     double hold_angle_deg = 2.0;
-    /// Minimal samples tried. Lowered: places are missed among many wrong positions. Ours: with
-    /// half of them wrong 200 pairs all miss with a chance of 1e-25, triples with 3e-12.
+    /// Minimal samples tried. Lowered: places are missed among many wrong positions. Ours; not
+    /// tuned: with half of them wrong 200 pairs all miss with a chance of 1e-25, triples with
+    /// 3e-12.
     std::uint32_t samples = 200;
     /// Standard deviations within which a position agrees with a place. Raised: wrong positions
     /// pull; lowered: right ones count as outliers. Customary: 99.7 % of a Gaussian lie within.

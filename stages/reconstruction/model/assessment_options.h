@@ -9,7 +9,7 @@
 namespace psfm {
 
 /// What a model has to be, to be one, and to be more than a weak one. All ours: what turns are told
-/// by is tuned on datasets/cases, docs/options.md says what is not tuned.
+/// by was tuned on datasets/cases, and not further; docs/options.md says what is not tuned at all.
 struct AssessmentOptions {
     /// Turns of the camera by less say nothing [deg]: a short step past a plane, seen through an
     /// unknown focal length, looks like one. Raised: depth is invented; lowered: flights over flat

@@ -10,7 +10,8 @@ namespace psfm {
 
 /// When a model of more than SolvePolicy::affordable_up_to has loops that are open, and how they
 /// are closed; smaller ones are adjusted as a whole when they grow, and hardly drift. All ours,
-/// tuned on the simulated town; figures: docs/accuracy.md, "Loops".
+/// tuned on the simulated town; figures: docs/accuracy.md, "Loops", and
+/// docs/notebook/2026-11-25-loops.md; docs/options.md says of which there are none.
 struct LoopOptions {
     /// Open edges that a model must have; 0: loops are never closed, as in the paper. Lowered:
     /// single wrong edges bend models; raised: loops that close with few images stay open.

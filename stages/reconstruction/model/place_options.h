@@ -79,9 +79,9 @@ struct PlaceOptions {
     std::uint32_t min_between = 400;
     /// And when of the smaller one, at least so many times as many points are seen from both sides
     /// of images of its own: a place holds together by itself, while images that match badly with
-    /// whomever hold to all others. Raised: folds of few images stay; lowered: right models of
-    /// hundreds of images lose some. Ours: parts of wrong models of street and cereal have 0.28 and
-    /// more, right images of quad-streams 0.12 at most.
+    /// all others hang on these, and not on one another. Raised: folds of few images stay; lowered:
+    /// right models of hundreds of images lose some. Ours: parts of wrong models of street and
+    /// cereal have 0.28 and more, right images of quad-streams 0.12 at most.
     double min_within = 0.18;
     /// Whether images are looked for that a cluster's model leaves out and that make a model of
     /// their own (places_of_left_out): 1 or 0. 0: they wait, as in the paper. Ours

@@ -95,7 +95,7 @@ struct RefinementOptions {
 
 /// Starting a model with all images at once.
 struct GlobalOptions {
-    /// Images of a small model from which the intrinsics of shared cameras are had beforehand.
+    /// Images of a small model that tells the intrinsics of shared cameras beforehand.
     /// Raised: slower; lowered: intrinsics less well determined. Ours (docs/accuracy.md,
     /// "Intrinsics first").
     std::uint32_t calibration_images = 20;
@@ -114,7 +114,8 @@ struct GlobalOptions {
     /// (docs/accuracy.md).
     std::uint32_t tracks_per_image = 100;
     /// Weight of a direction from an image to a point; that of a pair is 1. Raised: wrong matches
-    /// pull more; lowered: wrong pairs do. Ours: 0.03 to 1 give the same on the temple.
+    /// pull more; lowered: wrong pairs do. Ours: 0.03 to 1 give the same on the temple
+    /// (docs/accuracy.md).
     double track_weight = 0.1;
     DirectionFilterOptions directions;
     PositionAveragingOptions positions;
@@ -128,7 +129,7 @@ struct GlobalOptions {
     std::uint32_t adjusted_tracks_per_image = 200;
     /// Of the last of these rounds. Much is wrong at first: intrinsics, and with them rotations,
     /// along directions in which the error hardly changes. Iterations: photographs take 15 to 17;
-    /// what would take more is a town that bends, for settling to undo (docs/performance.md).
+    /// what would take more is a town that bends, for settling to undo. Ours; not tuned further.
     AdjustmentOptions adjustment{
         .loss_scale_px = 1.0, .max_iterations = 30, .function_tolerance = 1e-6};
     /// function_tolerance of those before it, which only find out which observations to keep.
@@ -231,8 +232,8 @@ struct SolveOptions {
     /// other clusters. Lowered: weak geometry's guesses spread; raised: each cluster guesses by
     /// itself. Not tuned.
     std::uint32_t images_to_hand_on = 10;
-    /// Images with fewer observations after adjustment are taken out again. Ours: half of the
-    /// inliers that registration asks for.
+    /// Images with fewer observations after adjustment are taken out again. Ours; not tuned:
+    /// half of the inliers that registration asks for.
     std::uint32_t min_observations = 10;
     /// A model whose relative rotations differ by more from the averaged ones contradicts itself
     /// [deg]. Higher: folded models live on; lower: drift is taken for a fold. Paper: rho_l,max =

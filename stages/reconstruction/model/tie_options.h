@@ -31,7 +31,7 @@ struct TieOptions {
     std::uint32_t max_zooms = 4;
     /// An image has another zoom than most where that lowers the cost of the points that it sees by
     /// this factor. Raised: few photographs of another zoom go unnoticed; lowered: those that
-    /// hardly tell are given one of them by chance. Ours, on the same photographs.
+    /// hardly tell are given one of them by chance. Ours, on the same photographs (same page).
     double min_zoom_gain = 1.01;
     /// Where no zooms do, they are parted where their focal lengths, one by one, leave
     /// a gap of this part. Raised: zooms that are near each other are mixed; lowered: photographs
@@ -46,7 +46,8 @@ struct TieOptions {
     /// Whether cameras of a kind are of one where one lens of two radial coefficients explains all
     /// of them together, though one of one coefficient does not. One coefficient says little of a
     /// strongly distorting lens, and each photograph, which sees another part of it, has one that
-    /// suits it better. Ours, on photographs of brighton with a barrel distortion of 2 per cent.
+    /// suits it better. Ours, on photographs of brighton with a barrel distortion of 2 per cent
+    /// (docs/notebook/2026-11-28-other-sizes-and-lenses.md).
     bool second_coefficient = true;
     /// Of each adjustment that this takes. Lowered: what was bent is not bent back. Ours; not
     /// tuned.
