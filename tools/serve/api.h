@@ -61,7 +61,6 @@ class Api final : public HttpApplication {
     HttpResponse pair(std::uint32_t first, std::uint32_t second) const;
     HttpResponse thumbnail(std::uint32_t image) const;
     HttpResponse mine(const User& user) const;
-    HttpResponse thumbnail_of(const Image& image) const;
 
     ApiParts parts_;
     std::mutex mutex_;  // of what follows

@@ -308,11 +308,4 @@ std::optional<std::uint32_t> ShownScene::slot_of(ClusterId cluster,
     return slot->second;
 }
 
-std::optional<Eigen::Vector3d> ShownScene::shown_position(ClusterId cluster,
-                                                          std::uint32_t slot) const {
-    if (!key_of(cluster, slot)) return std::nullopt;
-    const Cluster& shown = clusters_.at(cluster);
-    return shown.world_from_shown * shown.points[slot].position.cast<double>();
-}
-
 }  // namespace psfm

@@ -64,9 +64,6 @@ class ShownScene {
     /// The slot of a point of that first observation; nothing when it is not shown.
     std::optional<std::uint32_t> slot_of(ClusterId cluster, const Observation& first) const;
 
-    /// Where a watcher has a point, in the world; nothing where the slot is empty.
-    std::optional<Eigen::Vector3d> shown_position(ClusterId cluster, std::uint32_t slot) const;
-
   private:
     using Point = ShownPoint;
     using Pose = ShownPose;

@@ -60,11 +60,6 @@ std::vector<Rigid3> poses_from_homography(const Eigen::Matrix3d& h) {
     return poses;
 }
 
-Eigen::Quaterniond rotation_from_homography(const Eigen::Matrix3d& h) {
-    const SingularValues svd = singular_values(proper(h));
-    return Eigen::Quaterniond(proper(svd.u * svd.v.transpose())).normalized();
-}
-
 bool RayMeeting::is_in_front(const PointPair& points) const {
     const Eigen::Vector3d ray1 = rotation_ * points.x1.homogeneous();
     const Eigen::Vector3d ray2 = points.x2.homogeneous();

@@ -20,9 +20,6 @@ std::vector<Rigid3> poses_from_essential(const Eigen::Matrix3d& essential);
 /// @return cam2_from_cam1 with |translation| = 1; empty when h is a rotation or the library fails
 std::vector<Rigid3> poses_from_homography(const Eigen::Matrix3d& h);
 
-/// The rotation nearest to a homography of normalised coordinates.
-Eigen::Quaterniond rotation_from_homography(const Eigen::Matrix3d& h);
-
 /// Where the rays of correspondences meet that a relative pose brings together. Points are
 /// normalised coordinates. Immutable.
 class RayMeeting {

@@ -250,9 +250,4 @@ double WorkingModel::squared_error(const Feature& feature, const Eigen::Vector3d
     return (*projected - pixel(feature)).squaredNorm();
 }
 
-Eigen::Vector3d WorkingModel::ray_in_cluster(const Feature& feature) const {
-    return pose(feature.image).rotation.conjugate() *
-           normalized(feature).homogeneous().normalized();
-}
-
 }  // namespace psfm

@@ -112,8 +112,6 @@ class WorkingModel {
     /// Squared reprojection error [px^2] of a position seen from a registered image; infinity
     /// behind it.
     double squared_error(const Feature& feature, const Eigen::Vector3d& position) const;
-    /// Unit viewing ray of a feature, in the frame of the cluster. REQUIRES: registered
-    Eigen::Vector3d ray_in_cluster(const Feature& feature) const;
     Eigen::Vector3d centre(std::uint32_t image) const {
         return poses_[image]->target_origin_in_source();
     }

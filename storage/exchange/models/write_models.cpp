@@ -15,9 +15,6 @@ namespace {
 constexpr std::array<std::string_view, 7> kNames{"colmap",  "colmap-text", "ply", "nvm",
                                                  "bundler", "nerfstudio",  "gltf"};
 
-constexpr std::array<std::string_view, 3> kGeoNames{"geo.txt", "georeference.json",
-                                                    "shots.geojson"};
-
 using Paths = std::vector<std::filesystem::path>;
 
 /// Files of one model; `place` is DIR/N. The first one, or the folder if there is one, stands for
@@ -123,10 +120,6 @@ Result<void> claim_files(std::size_t models, ExportFormat format,
 
 std::span<const std::string_view> export_format_names() {
     return kNames;
-}
-
-std::span<const std::string_view> geo_file_names() {
-    return kGeoNames;
 }
 
 std::optional<ExportFormat> export_format_from_name(std::string_view name) {

@@ -63,9 +63,6 @@ struct WriteModelsOptions {
     std::vector<Eigen::Vector3d> up = {};
 };
 
-/// Names of files that WriteModelsOptions::geo_files may have.
-std::span<const std::string_view> geo_file_names();
-
 /// Writes models into a folder, which is made if need be. All files appear together at the end, so
 /// that a failure leaves no half-written file and an earlier export as it was. What psfm wrote
 /// there before, in whatever format, is replaced or removed (PreviousExport). Files of anybody else

@@ -59,12 +59,6 @@ TEST(DecomposeTwoView, PlanesHomographyAllowsTheTruth) {
     EXPECT_LT(best, 1e-4);
 }
 
-TEST(DecomposeTwoView, RotationOfAHomographyIgnoresItsScaleAndSign) {
-    const Eigen::Quaterniond rotation = clean(test::Shape::kVolume).cam2_from_cam1.rotation;
-    EXPECT_LT(angle_between(rotation_from_homography(-0.3 * rotation.toRotationMatrix()), rotation),
-              1e-7);
-}
-
 TEST(DecomposeTwoView, RaysMeetInFrontOrBehind) {
     const Rigid3 sideways{Eigen::Quaterniond::Identity(), {-1, 0, 0}};
     // A point at (0, 0, 2) is seen at x = 0 and at x = -0.5.
