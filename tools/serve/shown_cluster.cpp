@@ -59,8 +59,13 @@ std::array<std::vector<std::uint32_t>, 2> near_and_far(const ShownCluster& shown
     return groups;
 }
 
-void write_positions(WireWriter& writer, const WireBox& box,
+/// Which points, and where they are, in steps of a box around them.
+/// @return the box
+WireBox write_places(WireWriter& writer, const std::vector<std::uint32_t>& slots,
                      const std::vector<Eigen::Vector3f>& positions) {
+    writer.u32(static_cast<std::uint32_t>(slots.size()));
+    writer.ascending(slots);
+    const WireBox box = WireBox::around(positions);
     box.write(writer);
     std::vector<std::uint16_t> plane(positions.size());
     for (int axis = 0; axis < 3; ++axis) {
@@ -68,6 +73,7 @@ void write_positions(WireWriter& writer, const WireBox& box,
             plane[i] = box.step(positions[i][axis], axis);
         writer.plane(plane);
     }
+    return box;
 }
 
 }  // namespace
@@ -162,10 +168,7 @@ std::vector<std::string> put_contents(const ShownCluster& shown,
     for (const auto& group : near_and_far(shown, slots)) {
         if (group.empty()) continue;
         WireWriter writer;
-        writer.u32(static_cast<std::uint32_t>(group.size()));
-        writer.ascending(group);
-        const auto positions = positions_of(shown.points, group);
-        write_positions(writer, WireBox::around(positions), positions);
+        write_places(writer, group, positions_of(shown.points, group));
         for (std::size_t channel = 0; channel < 3; ++channel) {
             for (const std::uint32_t slot : group) writer.u8(shown.points[slot].colour.at(channel));
         }
@@ -185,11 +188,8 @@ std::vector<std::string> move_contents(ShownCluster& shown,
     for (const auto& group : near_and_far(shown, slots)) {
         if (group.empty()) continue;
         WireWriter writer;
-        writer.u32(static_cast<std::uint32_t>(group.size()));
-        writer.ascending(group);
         const auto positions = positions_of(shown.points, group);
-        const WireBox box = WireBox::around(positions);
-        write_positions(writer, box, positions);
+        const WireBox box = write_places(writer, group, positions);
         for (std::size_t i = 0; i < group.size(); ++i) {
             for (int axis = 0; axis < 3; ++axis)
                 shown.points[group[i]].position[axis] =

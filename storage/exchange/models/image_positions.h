@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "storage/exchange/files/output_file.h"
 #include "storage/exchange/models/exported_model.h"
 
 namespace psfm {
@@ -31,6 +32,24 @@ inline std::vector<PlacedObservation> placed_observations(const ExportedModel& m
         result.push_back({position, observation.keypoint, &image->keypoints[observation.keypoint]});
     }
     return result;
+}
+
+/// Which way a format has the y of its images point.
+enum class ImageY : std::uint8_t { kDown, kUp };
+
+/// The number of a point's placed observations; of each the image's position, the keypoint, and
+/// where it is from its camera's principal point [px], as NVM and Bundler have them.
+inline void write_measurements(const ExportedModel& model, const ExportedPoint& point, ImageY y,
+                               OutputFile& file) {
+    const auto observations = placed_observations(model, point);
+    file.numbers(observations.size());
+    for (const PlacedObservation& observation : observations) {
+        const ExportedImage& image = model.images[observation.image_position];
+        const Eigen::Vector2d centre = model.find_camera(image.camera_id)->camera.principal_point();
+        const ExportedKeypoint& pixel = *observation.pixel;
+        file.numbers(observation.image_position, observation.keypoint, pixel.x - centre.x(),
+                     y == ImageY::kDown ? pixel.y - centre.y() : centre.y() - pixel.y);
+    }
 }
 
 /// Radial distortion k1, k2 of a camera; zero where its model has none.

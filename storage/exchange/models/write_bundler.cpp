@@ -28,16 +28,7 @@ void write_bundler_point(const ExportedModel& model, const ExportedPoint& point,
     file.text("\n");
     file.numbers(point.rgb[0], point.rgb[1], point.rgb[2]);
     file.text("\n");
-    const auto observations = placed_observations(model, point);
-    file.numbers(observations.size());
-    for (const PlacedObservation& observation : observations) {
-        const ExportedImage& image = model.images[observation.image_position];
-        const Eigen::Vector2d principal_point =
-            model.find_camera(image.camera_id)->camera.principal_point();
-        file.numbers(observation.image_position, observation.keypoint,
-                     observation.pixel->x - principal_point.x(),
-                     principal_point.y() - observation.pixel->y);
-    }
+    write_measurements(model, point, ImageY::kUp, file);
     file.text("\n");
 }
 

@@ -25,16 +25,7 @@ void write_nvm_camera(const ExportedImage& image, const Camera& camera, OutputFi
 void write_nvm_point(const ExportedModel& model, const ExportedPoint& point, OutputFile& file) {
     file.numbers(point.position.x(), point.position.y(), point.position.z(), point.rgb[0],
                  point.rgb[1], point.rgb[2]);
-    const auto observations = placed_observations(model, point);
-    file.numbers(observations.size());
-    for (const PlacedObservation& observation : observations) {
-        const ExportedImage& image = model.images[observation.image_position];
-        const Eigen::Vector2d principal_point =
-            model.find_camera(image.camera_id)->camera.principal_point();
-        file.numbers(observation.image_position, observation.keypoint,
-                     observation.pixel->x - principal_point.x(),
-                     observation.pixel->y - principal_point.y());
-    }
+    write_measurements(model, point, ImageY::kDown, file);
     file.text("\n");
 }
 
