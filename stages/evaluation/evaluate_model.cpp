@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "stages/algorithms/math/angles.h"
+#include "stages/algorithms/math/median.h"
 
 namespace psfm {
 namespace {
@@ -18,14 +19,6 @@ std::vector<Eigen::Vector3d> centres_of(std::span<const NamedPose> poses) {
     for (const NamedPose& pose : poses)
         centres.push_back(pose.cam_from_world.target_origin_in_source());
     return centres;
-}
-
-/// The middle value, or the mean of the two middle ones; 0 for none.
-double median(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    std::ranges::sort(values);
-    const std::size_t middle = values.size() / 2;
-    return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 /// Turns an alignment about the line through the centres to fit the cameras' orientations.
@@ -72,7 +65,8 @@ Result<double> outlier_threshold(std::span<const NamedPose> reference,
         }
     }
     const double smallest = *std::ranges::min_element(nearest);
-    const double threshold = 0.5 * std::max(smallest, options.min_spacing_ratio * median(nearest));
+    const double threshold =
+        0.5 * std::max(smallest, options.min_spacing_ratio * median_or(nearest, 0.0));
     if (!(threshold > 0.0)) {
         return Error{
             ErrorCode::kDegenerate,
@@ -151,10 +145,10 @@ Result<ModelEvaluation> evaluate_model(std::span<const NamedPose> reference,
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& centre : reference_centres) box.extend(centre);
     result.position_mean = sum / count;
-    result.position_median = median(positions);
+    result.position_median = median_or(positions, 0.0);
     result.position_rms = std::sqrt(squares / count);
     result.position_relative = result.position_rms / box.diagonal().norm();
-    result.rotation_median_deg = median(rotations);
+    result.rotation_median_deg = median_or(rotations, 0.0);
     result.rotation_max_deg = *std::ranges::max_element(rotations);
     return result;
 }

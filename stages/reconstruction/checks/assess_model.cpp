@@ -37,11 +37,6 @@ std::uint64_t key_of(ImageId a, ImageId b) {
     return std::uint64_t{index_of(first)} << 32U | index_of(second);
 }
 
-template <typename T>
-T median(std::vector<T> values) {
-    return values.empty() ? T{} : upper_median(std::move(values));
-}
-
 /// body(observation, other observation) for pairs of a track
 template <typename Body>
 void for_each_pair(const ScenePoint& point, const Body& body) {
@@ -65,7 +60,7 @@ double median_largest_angle_deg(const Reconstruction& model) {
         });
         angles.push_back(largest);
     }
-    return degrees_from_radians(median(std::move(angles)));
+    return degrees_from_radians(upper_median_or(std::move(angles), 0.0));
 }
 
 /// Points by image, and by pair of images.
@@ -118,7 +113,7 @@ bool has_implausible_focal(const Reconstruction& model, const AssessmentOptions&
             by_size[{camera.width, camera.height}].push_back(relative);
     }
     return std::ranges::any_of(by_size, [&](const auto& size) {
-        const double common = median(size.second);
+        const double common = upper_median_or(size.second, 0.0);
         return std::ranges::any_of(size.second, [&](double focal) {
             return focal > options.max_focal_factor * common ||
                    common > options.max_focal_factor * focal;
@@ -182,7 +177,8 @@ bool has_invented_depth(const Reconstruction& model, std::span<const VerifiedPai
     for (auto& [key, turn] : wide) {
         if (turn.parallax.empty()) continue;
         seen += turn.weight;
-        if (degrees_from_radians(median(std::move(turn.parallax))) > options.max_turn_parallax_deg)
+        if (degrees_from_radians(upper_median_or(std::move(turn.parallax), 0.0)) >
+            options.max_turn_parallax_deg)
             invented += turn.weight;
     }
     return invented > options.max_invented * seen;
@@ -204,7 +200,7 @@ Weaknesses weaknesses_of(const Reconstruction& model, const AssessmentOptions& o
     std::vector<std::uint32_t> seen;
     seen.reserve(sights.of_image.size());
     for (const auto& [image, points] : sights.of_image) seen.push_back(points);
-    if (median(std::move(seen)) < options.weak_points) found.add(Weakness::kFewPoints);
+    if (upper_median_or(std::move(seen), 0U) < options.weak_points) found.add(Weakness::kFewPoints);
     if (sizes_of_parts(model, sights, options.joint_points).size() > 1)
         found.add(Weakness::kThinJoint);
     if (has_implausible_focal(model, options)) found.add(Weakness::kImplausibleFocal);

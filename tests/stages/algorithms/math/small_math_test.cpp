@@ -22,6 +22,17 @@ TEST(UpperMedian, IsOneOfTheValues) {
     EXPECT_EQ(upper_median(std::vector<double>{4.0, 1.0, 3.0, 2.0}), 3.0);
     EXPECT_EQ(upper_median(std::vector<int>{-9, 1, 5}, [](int value) { return std::abs(value); }),
               5);
+    EXPECT_EQ(upper_median_or(std::vector<double>{4.0, 1.0}, 7.0), 4.0);
+    EXPECT_EQ(upper_median_or(std::vector<double>{}, 7.0), 7.0);
+}
+
+TEST(Median, OfAnEvenNumberIsTheMeanOfTheTwoInTheMiddle) {
+    EXPECT_EQ(median_or({}, 7.0), 7.0);
+    EXPECT_EQ(median_or({5.0}, 7.0), 5.0);
+    EXPECT_EQ(median_or({3.0, 1.0, 2.0}, 7.0), 2.0);
+    EXPECT_EQ(median_or({4.0, 1.0}, 7.0), 2.5);
+    EXPECT_EQ(median_or({9.0, 1.0, 3.0, 2.0}, 7.0), 2.5);
+    EXPECT_EQ(median_or({2.0, 2.0, 1.0, 9.0}, 7.0), 2.0);
 }
 
 TEST(MostCommon, IsTheSmallestOfThoseThatOccurMost) {
