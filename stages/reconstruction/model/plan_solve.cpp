@@ -51,11 +51,15 @@ SolvePlan plan_solve(const ClusterProblem& problem, const SolvePolicy& policy) {
     const std::size_t placed = problem.recycled.front()->images.size();
     const SolveState state = state_of_recycled(problem);
     SolvePlan plan = plan_solve(problem, state, placed, policy);
+    if (plan.start != SolveStart::kRecycled) return plan;
     const bool is_due_for_all =
         policy.full_adjustment.is_due(problem.images.size(), state.images_at_full_adjustment);
-    if (plan.start == SolveStart::kRecycled && policy.is_large(placed) && !problem.settle &&
-        !is_due_for_all)
+    if (problem.settle) {
+        plan.scope = SolveScope::kAll;
+        plan.effort = SolveEffort::kConverged;
+    } else if (policy.is_large(placed) && !is_due_for_all) {
         plan.scope = SolveScope::kSurroundings;
+    }
     return plan;
 }
 

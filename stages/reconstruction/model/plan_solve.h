@@ -37,8 +37,7 @@ struct DueQuestions {
 struct SolvePlan {
     SolveStart start = SolveStart::kNone;
     /// The smallest that may do: what the surroundings cannot answer is solved with all of the
-    /// cluster, and planned again from where it stands. Settling adjusts all of a model to
-    /// convergence besides, whatever its size.
+    /// cluster, and planned again from where it stands.
     SolveScope scope = SolveScope::kAll;
     SolveEffort effort = SolveEffort::kConverged;
     DueQuestions due;
@@ -46,10 +45,12 @@ struct SolvePlan {
 };
 
 /// The plan of a solve before anything is done: sizes are those of the largest recycled model, of
-/// the cluster where there is none. Pure. Thread-safe.
+/// the cluster where there is none. A model that settles is in the end adjusted as a whole to
+/// convergence, whatever its size. Pure. Thread-safe.
 SolvePlan plan_solve(const ClusterProblem& problem, const SolvePolicy& policy);
 
-/// The plan from where a solve stands.
+/// The plan of the next step from where a solve stands: what is added or joined before a model
+/// settles is adjusted by its size, too.
 /// @param placed  images of the model in work
 /// @param state  what is known of it
 SolvePlan plan_solve(const ClusterProblem& problem, const SolveState& state, std::size_t placed,

@@ -61,7 +61,10 @@ TEST(PlanSolve, StartScopeAndEffortFollowFromSizes) {
          kRough},
         {"grown, very large", 1400, 1200, false, adjusted_with(1200), kRecycled, kJoint, kRough},
         {"images have left it", 240, 200, false, adjusted_with(300), kRecycled, kAll, kConverged},
-        {"settles", 1201, 1200, true, adjusted_with(1200), kRecycled, kJoint, kRough},
+        {"large, and settles", 201, 200, true, adjusted_with(200), kRecycled, kAll, kConverged},
+        {"very large, and settles", 1201, 1200, true, adjusted_with(1200), kRecycled, kAll,
+         kConverged},
+        {"settles, and has no model", 1001, 0, true, {}, kGlobal, kJoint, kRough},
     };
     for (const Row& row : table) {
         const SolvePlan plan = plan_solve(problem_of(row), SolvePolicy{});
@@ -69,6 +72,13 @@ TEST(PlanSolve, StartScopeAndEffortFollowFromSizes) {
         EXPECT_EQ(plan.scope, row.scope) << row.what;
         EXPECT_EQ(plan.effort, row.effort) << row.what;
     }
+}
+
+TEST(PlanSolve, WhatIsJoinedBeforeAModelSettlesIsAdjustedByItsSize) {
+    const Row row{"", 1201, 1200, true, adjusted_with(1200)};
+    const SolvePlan plan = plan_solve(problem_of(row), row.state, 1201, SolvePolicy{});
+    EXPECT_EQ(plan.scope, SolveScope::kJoint);
+    EXPECT_EQ(plan.effort, SolveEffort::kRough);
 }
 
 /// As scheduler/presets/paper.txt sets the sizes.
