@@ -10,7 +10,7 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <system_error>
 
-#include "tools/commands/console/command_line.h"
+#include "tools/commands/command_line.h"
 
 #ifdef PSFM_JEMALLOC
 #include <jemalloc/jemalloc.h>

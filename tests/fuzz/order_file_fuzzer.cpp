@@ -4,7 +4,7 @@
 #include <set>
 
 #include "tests/fuzz/fuzz_input.h"
-#include "tools/commands/photo_order.h"
+#include "tools/commands/session/photo_order.h"
 
 namespace psfm {
 

@@ -17,6 +17,7 @@ stages/clustering:  stages/features
 stages/merge:       stages/features
 storage:
 scheduler:
+tools/commands:
 """
 
 
@@ -135,6 +136,17 @@ class CheckIncludes(unittest.TestCase):
         self.assert_found("stages/merge/deep/a.cpp", '#include "stages/merge/merge.h"\n',
                           "stages/merge/deep/ may not include stages/merge/")
 
+    def test_tools_below_each_other(self):
+        self.write("tools/commands/README.md", "# Commands\n\n`console/` is below them.\n", head="")
+        self.write("tools/commands/commands.h", "#pragma once\n")
+        self.write("tools/commands/console/words.h", "#pragma once\n")
+        below = "tools/commands/console:\ntools/commands: tools/commands/console\n"
+        self.write("tools/ci/folders.txt", TABLE.replace("tools/commands:\n", below), head="")
+        self.write("tools/commands/run.cpp", '#include "tools/commands/console/words.h"\n')
+        self.assertEqual(self.run_check()[0], 0)
+        self.assert_found("tools/commands/console/a.cpp", '#include "tools/commands/commands.h"\n',
+                          "tools/commands/console/ may not include tools/commands/")
+
     def test_no_line_without_folder(self):
         self.assert_found("tools/ci/folders.txt", TABLE + "stages/gone:\n", "stages/gone/ is no folder", head="")
 
@@ -188,6 +200,7 @@ class CheckIncludes(unittest.TestCase):
         self.write("tests/graph/here.h", "#pragma once\n")
         self.assertEqual(self.run_check()[0], 0)
         self.write("tools/report/plots/plot.h", "#pragma once\n")
+        self.write("tools/ci/folders.txt", TABLE + "tools/report/plots:\n", head="")
         for above in ("# Report\n", "# Report\n\nThe plots are below.\n"):
             self.write("tools/report/README.md", above, head="")
             self.assertIn("tools/report/plots:1: no README.md", self.run_check()[1])

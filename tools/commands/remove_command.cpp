@@ -17,8 +17,8 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
-#include "tools/commands/session_options.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_options.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

@@ -27,7 +27,7 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/console/exit_codes.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

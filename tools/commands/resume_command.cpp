@@ -10,9 +10,9 @@
 #include "scheduler/session/file_stamp.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/console/report_error.h"
-#include "tools/commands/photo_order.h"
-#include "tools/commands/session_options.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/photo_order.h"
+#include "tools/commands/session/session_options.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

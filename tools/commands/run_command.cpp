@@ -15,7 +15,7 @@
 #include "tools/commands/exchange/export_dataset.h"
 #include "tools/commands/exchange/given_cameras.h"
 #include "tools/commands/exchange/output_folder.h"
-#include "tools/commands/session_options.h"
+#include "tools/commands/session/session_options.h"
 
 namespace psfm {
 namespace {

@@ -22,7 +22,7 @@
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/served_run.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 #include "tools/serve/api.h"
 #include "tools/serve/decoding/decoder_forks.h"
 #include "tools/serve/decoding/sandbox.h"

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "scheduler/session/remove_images.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

@@ -25,7 +25,7 @@
 #include "tools/commands/console/progress.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/thread_budget.h"
-#include "tools/commands/installed_vocabulary.h"
+#include "tools/commands/session/installed_vocabulary.h"
 
 namespace psfm {
 namespace {

@@ -10,7 +10,7 @@
 #include "storage/exchange/files/json_text.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/pages.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 #include "tools/serve/view_page.h"
 
 namespace psfm {

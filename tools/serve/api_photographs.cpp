@@ -7,7 +7,7 @@
 
 #include "storage/exchange/files/json_text.h"
 #include "tools/serve/api.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 #include "tools/serve/uploads/title.h"
 
 namespace psfm {

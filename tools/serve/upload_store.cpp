@@ -9,9 +9,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tools/serve/sha256.h"
 #include "tools/serve/upload_sink.h"
 #include "tools/serve/uploads/sent_photographs.h"
+#include "tools/serve/uploads/sha256.h"
 #include "tools/serve/uploads/upload_files.h"
 
 namespace psfm {

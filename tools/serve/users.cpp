@@ -21,7 +21,7 @@
 #include "storage/database/session_folder.h"
 #include "storage/database/system_error.h"
 #include "storage/exchange/files/json_text.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

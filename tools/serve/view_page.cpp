@@ -5,7 +5,7 @@
 #include "tools/report/svg.h"
 #include "tools/serve/gzip.h"
 #include "tools/serve/pages.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/installed_vocabulary.h"
+#include "tools/commands/session/installed_vocabulary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/watch_folder.h"
+#include "tools/commands/session/watch_folder.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

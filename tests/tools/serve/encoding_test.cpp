@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/serve/gzip.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <vector>
 
-#include "tools/serve/sha256.h"
 #include "tools/serve/uploads/sent_photographs.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

@@ -22,7 +22,7 @@
 #include "tools/commands/exchange/import_checks.h"
 #include "tools/commands/exchange/model_checks.h"
 #include "tools/commands/exchange/session_place.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "tools/commands/session_options.h"
+#include "tools/commands/session/session_options.h"
 
 namespace psfm {
 

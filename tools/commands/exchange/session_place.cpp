@@ -8,7 +8,7 @@
 #include <charconv>
 #include <csignal>
 
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "storage/exchange/files/json_text.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

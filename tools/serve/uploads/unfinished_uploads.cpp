@@ -5,7 +5,7 @@
 #include <charconv>
 #include <chrono>
 
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

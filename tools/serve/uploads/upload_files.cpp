@@ -10,7 +10,7 @@
 #include <span>
 
 #include "stages/features/photographs/photo_container.h"
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 namespace psfm {
 namespace {

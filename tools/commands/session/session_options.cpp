@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/session_options.h"
+#include "tools/commands/session/session_options.h"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -14,8 +14,8 @@
 #include "tools/commands/console/option_checks.h"
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/console/shell_word.h"
-#include "tools/commands/photo_order.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/photo_order.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

@@ -16,7 +16,7 @@
 #include "stages/features/photographs/small_copies.h"
 #include "tools/commands/console/mask_report.h"
 #include "tools/commands/console/shell_word.h"
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 
 namespace psfm {
 namespace {

@@ -15,7 +15,7 @@
 #include "tools/commands/console/report_error.h"
 #include "tools/commands/exchange/import_checks.h"
 #include "tools/commands/exchange/import_model.h"
-#include "tools/commands/session_options.h"
+#include "tools/commands/session/session_options.h"
 
 namespace psfm {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/session_runner.h"
+#include "tools/commands/session/session_runner.h"
 
 #include <algorithm>
 #include <atomic>
@@ -17,8 +17,8 @@
 #include "tools/commands/console/shell_word.h"
 #include "tools/commands/console/thread_budget.h"
 #include "tools/commands/console/waiting_report.h"
-#include "tools/commands/installed_vocabulary.h"
-#include "tools/commands/watch_folder.h"
+#include "tools/commands/session/installed_vocabulary.h"
+#include "tools/commands/session/watch_folder.h"
 #include "tools/report/featureless.h"
 
 namespace psfm {

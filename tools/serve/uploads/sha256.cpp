@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/serve/sha256.h"
+#include "tools/serve/uploads/sha256.h"
 
 #include <sodium.h>
 

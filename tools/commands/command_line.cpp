@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/console/command_line.h"
+#include "tools/commands/command_line.h"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the psfm authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/commands/photo_order.h"
+#include "tools/commands/session/photo_order.h"
 
 #include <algorithm>
 #include <fstream>
