@@ -39,9 +39,15 @@ enum class SolveEffort : std::uint8_t {
 };
 
 /// The sizes at which a solve changes its ways, all of them in images, and what is asked again as
-/// something grows. Of a solve one more stands elsewhere, RefinementOptions::thin_from_images;
-/// ClusteringOptions::join_up_to is `affordable_up_to` for clusters that are not solved yet
-/// (tools/ci/check-sizes lists all, those of other stages too).
+/// something grows. The others stand with what they are of, and tools/ci/check-sizes keeps this list
+/// whole:
+/// - RefinementOptions::thin_from_images: growing and settling a model each have their own;
+/// - ClusteringOptions::join_up_to, `affordable_up_to` for clusters that are not solved yet,
+///   hold_from, the exception from it, and join_below: which images are in one cluster is decided
+///   before any solve, and the clustering does not know of models;
+/// - RetrievalOptions::candidates, up to which every earlier image is asked and after whose
+///   multiples the words are weighed anew, its vouched_beyond (images for each candidate), and
+///   max_training_images: of all images of the session, whatever clusters they come into.
 struct SolvePolicy {
     /// Clusters with fewer images are not reconstructed. Paper: mu_min = 5. Raised: what is thin,
     /// or small, waits for ever though a model of it exists; lowered: two views hardly tell what
