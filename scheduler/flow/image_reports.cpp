@@ -9,7 +9,8 @@ namespace {
 
 /// Guard: bounds the images that wait for their version without holding a token: this part of all.
 /// Raised: more versions, so that the cost of an image grows with the session; lowered: fewer and
-/// later ones while images stream in faster than they are solved.
+/// later ones while images stream in faster than they are solved. Chosen, not measured; with
+/// config_->deterministic it has no part.
 constexpr std::uint32_t kImagesPerWaiting = 25;
 
 }  // namespace

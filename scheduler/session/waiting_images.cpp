@@ -20,7 +20,10 @@ struct Turns {
                 turns += edge.weight;
         }
     }
-    bool prevail() const { return turns > 0.5 * all; }
+    bool prevail() const {
+        constexpr double kHalf = 0.5;  // Mathematics: the majority; it only words why images wait
+        return turns > kHalf * all;
+    }
 };
 
 /// Why an image waits that has no edge.

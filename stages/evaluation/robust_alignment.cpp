@@ -76,8 +76,10 @@ template <typename TryTriple>
 void for_each_triple(std::uint32_t count, const RobustAlignmentOptions& options,
                      TryTriple try_triple) {
     const std::uint64_t n = count;
-    // Compared step by step: n (n-1) (n-2) overflows for large n.
-    const bool exhaustive = n <= 1000 && n * (n - 1) * (n - 2) / 6 <= options.max_triples;
+    // Guard: n (n-1) (n-2) overflows for large n; so many have 166 million triples.
+    constexpr std::uint64_t kMostToMultiply = 1000;
+    const bool exhaustive =
+        n <= kMostToMultiply && n * (n - 1) * (n - 2) / 6 <= options.max_triples;
     if (exhaustive) {
         for (std::uint32_t a = 0; a < count; ++a) {
             for (std::uint32_t b = a + 1; b < count; ++b) {

@@ -10,6 +10,11 @@
 namespace psfm {
 namespace {
 
+/// Guard: nothing is divided by less: scores of images that resemble nothing are 0.
+constexpr float kLeastScore = 1e-6F;
+/// Guard: a score below all others that is not 0, which would say that nothing was compared.
+constexpr float kLeastPart = 1e-3F;
+
 using Scores = std::unordered_map<std::uint32_t, float>;
 
 /// What the similar images say of their neighbours, by image.
@@ -64,10 +69,11 @@ std::vector<ScoredImage> expand_candidates(std::span<const ScoredImage> similar,
         return a.score != b.score ? a.score > b.score : a.image < b.image;
     });
     others.resize(std::min(others.size(), count - asked));
-    // Behind the similar ones, and above 0, which would say that nothing was compared.
+    // Behind the similar ones.
     const float highest = asked > 0 ? candidates.back().score : 1.F;
-    const float first = std::max(others.front().score, 1e-6F);
-    for (ScoredImage& other : others) other.score = highest * std::max(other.score / first, 1e-3F);
+    const float first = std::max(others.front().score, kLeastScore);
+    for (ScoredImage& other : others)
+        other.score = highest * std::max(other.score / first, kLeastPart);
     candidates.insert(candidates.end(), others.begin(), others.end());
     return candidates;
 }

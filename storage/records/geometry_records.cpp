@@ -65,13 +65,20 @@ Result<Camera> from_record(const records::Camera& record) {
     return camera;
 }
 
+namespace {
+
+/// Guard: rotations are written as they were normalised; what is further off is a damaged record.
+constexpr double kUnitRounding = 1e-6;
+
+}  // namespace
+
 bool is_sound(const Rigid3& motion) {
-    return std::abs(motion.rotation.norm() - 1.0) < 1e-6 && motion.translation.allFinite();
+    return std::abs(motion.rotation.norm() - 1.0) < kUnitRounding && motion.translation.allFinite();
 }
 
 bool is_sound(const Sim3& motion) {
     return std::isfinite(motion.scale) && motion.scale > 0.0 &&
-           std::abs(motion.rotation.norm() - 1.0) < 1e-6 && motion.translation.allFinite();
+           std::abs(motion.rotation.norm() - 1.0) < kUnitRounding && motion.translation.allFinite();
 }
 
 bool is_sound(const Camera& camera) {

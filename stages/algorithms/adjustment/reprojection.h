@@ -56,7 +56,10 @@ class Reprojection {
     }
 
     /// Where it is not, nothing else can be asked.
-    bool in_front() const { return depth_ >= 1e-9; }
+    bool in_front() const {
+        constexpr double kLeastDepth = 1e-9;  // Guard: nothing is divided by less
+        return depth_ >= kLeastDepth;
+    }
     Eigen::Vector2d pixel() const { return camera_.focal.cwiseProduct(bent_) + camera_.centre; }
     /// Of `scale` times the pixel.
     Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point(double scale) const {

@@ -13,7 +13,10 @@ using RowMatrix28 = Eigen::Matrix<double, 2, kIntrinsicsSize, Eigen::RowMajor>;
 
 Eigen::Quaterniond exponential(const Eigen::Vector3d& w) {
     const double angle = w.norm();
-    const double scale = angle < 1e-8 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+    // Guard: below, the next term of the series is less than the last digit.
+    constexpr double kFewTerms = 1e-8;
+    const double scale =
+        angle < kFewTerms ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
     Eigen::Quaterniond q;
     q.w() = std::cos(0.5 * angle);
     q.vec() = scale * w;

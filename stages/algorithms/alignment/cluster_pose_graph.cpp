@@ -198,9 +198,12 @@ void optimize(std::span<const PoseGraphEdge> edges, const std::vector<bool>& use
         static_cast<int>(rough ? std::min(options.rough_iterations, options.max_iterations)
                                : options.max_iterations);
     if (!rough) solver.initial_trust_region_radius = kUndamped;
-    solver.function_tolerance = rough ? options.rough_tolerance : 1e-12;
-    solver.parameter_tolerance = 1e-12;
-    solver.gradient_tolerance = 1e-14;
+    // Guard: ends the loop where little but rounding is left.
+    constexpr double kTolerance = 1e-12;
+    constexpr double kGradientTolerance = 1e-14;
+    solver.function_tolerance = rough ? options.rough_tolerance : kTolerance;
+    solver.parameter_tolerance = kTolerance;
+    solver.gradient_tolerance = kGradientTolerance;
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;
     const std::vector<Pose> before = start.poses;

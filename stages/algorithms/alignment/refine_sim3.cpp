@@ -147,8 +147,10 @@ Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_
 
     Sim3 refined = b_from_a;
     System system = linearize(terms, refined, loss_scale);
+    constexpr double kMostDamping = 1e6;    // Guard: ends the loop: steps of no length
+    constexpr double kLeastDamping = 1e-9;  // Guard: keeps a step that went wrong from costing many
     double damping = 1e-4;
-    for (int iteration = 0; iteration < kMaxIterations && damping < 1e6; ++iteration) {
+    for (int iteration = 0; iteration < kMaxIterations && damping < kMostDamping; ++iteration) {
         Square damped = system.information;
         damped.diagonal() *= 1.0 + damping;
         const Step step = -solve_symmetric(damped, system.gradient);
@@ -162,7 +164,7 @@ Sim3 refine_sim3(std::span<const EdgeCorrespondences> edges, const Sim3& b_from_
         const bool converged = system.cost - next.cost < kCostTolerance * system.cost;
         refined = candidate;
         system = next;
-        damping = std::max(0.1 * damping, 1e-9);
+        damping = std::max(0.1 * damping, kLeastDamping);
         if (converged) break;
     }
     return refined;

@@ -18,6 +18,12 @@ namespace {
 /// Guard: squared lengths [smallest length of the start] below which a direction is not defined.
 constexpr double kMinSquaredLength = 1e-16;
 
+/// Guard: length, in parts of the mean, up to which ends coincide: their direction would be noise.
+constexpr double kCoinciding = 1e-6;
+/// Guard: by what part of it they are moved apart: far enough to have a direction, too little to
+/// matter where they do not belong apart. Ours; not tuned.
+constexpr double kMovedApart = 0.01;
+
 struct ChordCost {
     Eigen::Vector3d direction;
 
@@ -33,7 +39,7 @@ struct ChordCost {
     }
 };
 
-/// Ends that coincide are moved apart by a hundredth of the mean length, along the measurement.
+/// Ends that coincide are moved apart by a part of the mean length, along the measurement.
 void part_coinciding_ends(const std::vector<RelativeDirection>& edges, Columns3& positions) {
     double mean = 0.0;
     for (const RelativeDirection& edge : edges) {
@@ -41,8 +47,8 @@ void part_coinciding_ends(const std::vector<RelativeDirection>& edges, Columns3&
     }
     mean /= static_cast<double>(edges.size());
     for (const RelativeDirection& edge : edges) {
-        if ((positions.col(edge.j) - positions.col(edge.i)).norm() > 1e-6 * mean) continue;
-        positions.col(edge.j) += 0.01 * mean * edge.direction;
+        if ((positions.col(edge.j) - positions.col(edge.i)).norm() > kCoinciding * mean) continue;
+        positions.col(edge.j) += kMovedApart * mean * edge.direction;
     }
 }
 

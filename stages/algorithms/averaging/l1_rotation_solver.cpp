@@ -27,6 +27,11 @@ constexpr double kShrinkage = 1.0;
 constexpr std::uint32_t kCheckInterval = 10;  // Guard: of time; checking costs an iteration
 /// Guard: residuals at which ADMM ends, in parts of the largest step of the linearisation before.
 constexpr double kInexactness = 0.01;
+/// Guard: parts of a step below which none is tried; what would lower the cost there is below what
+/// the linear solution is exact to. Ours; not tuned.
+constexpr double kShortestStep = 0.1;
+/// Guard: ADMM need not be more exact than this part of the step that ends the linearisations.
+constexpr double kExactness = 0.1;
 
 /// Least absolute deviations by ADMM (ibid., sec. 6.1) for min sum_e w_e |(A x)_e - b_e|, with z =
 /// A x - b. Weights and penalty enter the shrinkage only, so that A^T A is factored once for all
@@ -162,12 +167,12 @@ Result<std::uint32_t> minimize_l1(RotationProblem& problem,
     while (iteration < options.max_iterations && fruitless < 2) {
         ++iteration;
         // While steps are large, the linearisation is worse than its solution need be.
-        const double tolerance = std::max(0.1 * converged, kInexactness * largest);
+        const double tolerance = std::max(kExactness * converged, kInexactness * largest);
         const Rows3 steps = solver.solve(errors, options.max_solver_iterations, tolerance);
         largest = steps.rowwise().norm().maxCoeff();
         // The linear optimum is inexact and holds near the present rotations only.
         bool lower = false;
-        for (double fraction = 1.0; fraction > 0.1 && !lower; fraction *= 0.5) {
+        for (double fraction = 1.0; fraction > kShortestStep && !lower; fraction *= 0.5) {
             RotationProblem trial = problem;
             apply_step(trial, steps, fraction);
             Rows3 trial_errors = relative_errors(trial);

@@ -14,6 +14,8 @@ constexpr double kSmoothing = 1e-3;
 /// Guard: weight of every node's coordinates, in parts of the mean over the nodes of what holds
 /// them: where the directions leave a node free (on a line, say), it stays where it is.
 constexpr double kDamping = 1e-8;
+/// Guard: parts of a step below which none is tried: ends the search.
+constexpr double kLeastFraction = 1e-3;
 
 /// An edge at given positions.
 struct Deviation {
@@ -84,7 +86,7 @@ Result<Columns3> least_unsquared_positions(const std::vector<RelativeDirection>&
         }
         const Columns3 step = solver.solve(system.descent);
         const double before = cost;
-        for (double fraction = 1.0; fraction > 1e-3 && cost >= before; fraction *= 0.5) {
+        for (double fraction = 1.0; fraction > kLeastFraction && cost >= before; fraction *= 0.5) {
             const Columns3 trial = positions + fraction * step;
             const double trial_cost = cost_of(edges, trial);
             if (!(trial_cost < before)) continue;

@@ -23,6 +23,9 @@ constexpr std::uint64_t kSeed = 0x1d5f;  // Guard: any; the same draws on every 
 /// Guard: standard deviation of the prior, in median lengths of the edges: nothing is known
 /// beforehand.
 constexpr double kPriorSigma = 10.0;
+constexpr double kLeastChord = 1e-12;  // Guard: nothing is divided by less
+/// Guard: lengths, in median lengths, below which nothing is divided by them.
+constexpr double kLeastLengthPart = 1e-6;
 
 Eigen::Vector3d normal3(RandomNumbers& random) {
     Eigen::Vector3d vector;
@@ -46,7 +49,7 @@ std::vector<EdgeInformation> information_of(const std::vector<RelativeDirection>
         const double length = std::max(difference.norm(), min_length);
         const Eigen::Vector3d along = difference / length;
         const double trust =
-            edge.weight * std::min(1.0, loss_scale / std::max(chord(edge, positions), 1e-12));
+            edge.weight * std::min(1.0, loss_scale / std::max(chord(edge, positions), kLeastChord));
         information.push_back({std::sqrt(trust) / (sigma * length) *
                                    (Eigen::Matrix3d::Identity() - along * along.transpose()),
                                along / length});
@@ -75,8 +78,9 @@ Result<std::vector<std::uint32_t>> nodes_of_certain_length(
         lengths.push_back((positions.col(edge.j) - positions.col(edge.i)).norm());
     }
     const double median = upper_median(std::move(lengths));
-    const std::vector<EdgeInformation> information = information_of(
-        edges, positions, sigma, options.loss_scale_deg * kRadiansPerDegree, 1e-6 * median);
+    const std::vector<EdgeInformation> information =
+        information_of(edges, positions, sigma, options.loss_scale_deg * kRadiansPerDegree,
+                       kLeastLengthPart * median);
 
     const auto node_count = static_cast<std::uint32_t>(positions.cols());
     const double prior = 1.0 / (kPriorSigma * median);

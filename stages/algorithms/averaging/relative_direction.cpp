@@ -11,6 +11,7 @@
 namespace psfm {
 
 Result<void> check_directions(std::span<const RelativeDirection> edges, std::uint32_t node_count) {
+    constexpr double kUnitTolerance = 1e-6;  // Guard: of what callers normalise; rounding is less
     for (std::size_t e = 0; e < edges.size(); ++e) {
         const RelativeDirection& edge = edges[e];
         const auto invalid = [&](const char* what) {
@@ -22,7 +23,7 @@ Result<void> check_directions(std::span<const RelativeDirection> edges, std::uin
         if (!(edge.weight > 0.0) || !std::isfinite(edge.weight)) {
             return invalid("has a weight that is not positive");
         }
-        if (!(std::abs(edge.direction.norm() - 1.0) < 1e-6)) {
+        if (!(std::abs(edge.direction.norm() - 1.0) < kUnitTolerance)) {
             return invalid("has a direction that is not of unit length");
         }
     }

@@ -6,11 +6,17 @@
 #include <cmath>
 
 namespace psfm {
+namespace {
+
+/// Guard: turns [rad] below which sine over angle is what it is at 0, to the last digit.
+constexpr double kNoTurn = 1e-12;
+
+}  // namespace
 
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
     const double sine = rotation.vec().norm();
     const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
-    if (sine < 1e-12) return 2.0 * sign * rotation.vec();
+    if (sine < kNoTurn) return 2.0 * sign * rotation.vec();
     return sign * 2.0 * std::atan2(sine, std::abs(rotation.w())) / sine * rotation.vec();
 }
 
@@ -18,7 +24,7 @@ Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& vector) {
     const double angle = vector.norm();
     Eigen::Quaterniond rotation;
     rotation.w() = std::cos(0.5 * angle);
-    rotation.vec() = (angle < 1e-12 ? 0.5 : std::sin(0.5 * angle) / angle) * vector;
+    rotation.vec() = (angle < kNoTurn ? 0.5 : std::sin(0.5 * angle) / angle) * vector;
     return rotation.normalized();
 }
 

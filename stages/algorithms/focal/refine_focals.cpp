@@ -179,6 +179,8 @@ FocalEstimate refine_focals(std::span<const FocalPair> pairs, FocalEstimate star
                             const FocalExpectation& expectation,
                             const FocalRefinementOptions& options) {
     FocalEstimate estimate = std::move(start);
+    constexpr double kMostDamping = 1e5;    // Guard: ends the loop: steps of no length
+    constexpr double kLeastDamping = 1e-7;  // Guard: keeps a step that went wrong from costing many
     double damping = 1e-3;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
         const FocalSystem system = linearize(pairs, estimate, expectation, options, damping);
@@ -192,11 +194,11 @@ FocalEstimate refine_focals(std::span<const FocalPair> pairs, FocalEstimate star
         const double cost = total_cost(pairs, next, expectation, options);
         if (!(cost < system.cost)) {
             damping *= 10.0;
-            if (damping > 1e5) break;
+            if (damping > kMostDamping) break;
             continue;
         }
         estimate = std::move(next);
-        damping = std::max(0.1 * damping, 1e-7);
+        damping = std::max(0.1 * damping, kLeastDamping);
         if (system.cost - cost < kFocalCostTolerance * system.cost) break;
     }
     const FocalSystem system = linearize(pairs, estimate, expectation, options, 0.0);

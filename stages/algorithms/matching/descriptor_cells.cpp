@@ -25,9 +25,12 @@ constexpr std::size_t kRowsAtOnce = 256;
 /// Guard: cells whose keys fit one block of a kernel's positions.
 constexpr std::size_t kMaxCells = 255 * kStripColumns;
 
-/// Every so many-th row, so many that k-means looks at 16 a cell or all.
+/// Guard: of time: rows that k-means looks at for each cell. Ours; not tuned.
+constexpr std::size_t kRowsACell = 16;
+
+/// Every so many-th row, so many that k-means looks at that many a cell or all.
 std::vector<std::uint8_t> sample(const Descriptors& descriptors, std::size_t cells) {
-    const std::size_t step = std::max<std::size_t>(1, descriptors.rows() / (16 * cells));
+    const std::size_t step = std::max<std::size_t>(1, descriptors.rows() / (kRowsACell * cells));
     std::vector<std::uint8_t> rows;
     rows.reserve((descriptors.rows() / step + 1) * Descriptors::kSize);
     for (std::size_t i = 0; i < descriptors.rows(); i += step)

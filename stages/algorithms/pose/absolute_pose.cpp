@@ -18,6 +18,18 @@
 namespace psfm {
 namespace {
 
+/// Guard: of finding a sample without outliers, for a sample costs little. OpenCV's default is
+/// 0.99; ours, not tuned.
+constexpr double kPoseConfidence = 0.99999;
+/// Guard: loss of the refinement [px]: observations that are off by more pull less. Ours; not
+/// tuned.
+constexpr double kPoseLossPx = 1.0;
+constexpr int kPoseIterations = 50;  // Guard: ends the loop
+/// Guard: turns [rad] that have no axis.
+constexpr double kNoPoseTurn = 1e-12;
+/// Mathematics: points that determine a pose, three of them up to four solutions.
+constexpr std::size_t kPointsOfPose = 4;
+
 Camera with_focal_scaled(Camera camera, double factor) {
     camera.params[0] *= factor;
     if (camera.has_two_focals()) camera.params[1] *= factor;
@@ -50,7 +62,7 @@ std::optional<AbsolutePose> sample_pose(std::span<const Eigen::Vector2d> pixels,
     }
     cv::Mat matrix = (cv::Mat_<double>(3, 3) << focal, 0, 0, 0, focal, 0, 0, 0, 1);
     cv::UsacParams usac;
-    usac.confidence = 0.99999;
+    usac.confidence = kPoseConfidence;
     usac.isParallel = false;
     usac.maxIterations = options.max_iterations;
     usac.randomGeneratorState = static_cast<int>(seed & 0x7FFFFFFFU);
@@ -74,7 +86,7 @@ std::optional<AbsolutePose> sample_pose(std::span<const Eigen::Vector2d> pixels,
                             rotation_vector.at<double>(2));
     AbsolutePose pose;
     const double angle = w.norm();
-    if (angle > 1e-12) pose.cam_from_world.rotation = Eigen::AngleAxisd(angle, w / angle);
+    if (angle > kNoPoseTurn) pose.cam_from_world.rotation = Eigen::AngleAxisd(angle, w / angle);
     pose.cam_from_world.translation = {translation.at<double>(0), translation.at<double>(1),
                                        translation.at<double>(2)};
     if (!pose.cam_from_world.translation.allFinite() ||
@@ -100,7 +112,7 @@ void refine_pose(std::span<const Eigen::Vector2d> pixels, std::span<const Eigen:
     problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     problem_options.disable_all_safety_checks = true;
-    ceres::CauchyLoss loss(1.0);
+    ceres::CauchyLoss loss(kPoseLossPx);
     PoseManifold manifold;
     std::deque<ReprojectionCost> costs;
     ceres::Problem problem(problem_options);
@@ -122,7 +134,7 @@ void refine_pose(std::span<const Eigen::Vector2d> pixels, std::span<const Eigen:
     }
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::DENSE_QR;
-    solver.max_num_iterations = 50;
+    solver.max_num_iterations = kPoseIterations;
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
@@ -138,8 +150,9 @@ void refine_pose(std::span<const Eigen::Vector2d> pixels, std::span<const Eigen:
 }  // namespace
 
 Result<void> validate(const AbsolutePoseOptions& options) {
-    if (!(options.max_error_px > 0) || options.min_inliers < 4 || options.min_inlier_ratio < 0 ||
-        options.min_inlier_ratio > 1 || options.max_iterations < 1) {
+    if (!(options.max_error_px > 0) || options.min_inliers < kPointsOfPose ||
+        options.min_inlier_ratio < 0 || options.min_inlier_ratio > 1 ||
+        options.max_iterations < 1) {
         return Error{ErrorCode::kInvalidArgument,
                      "absolute pose: error bound and iterations must be positive, at least 4 "
                      "inliers, ratio in 0..1"};
@@ -167,7 +180,7 @@ Result<AbsolutePose> estimate_absolute_pose(std::span<const Eigen::Vector2d> pix
             best = std::move(sampled);
     }
     if (!best) return Error{ErrorCode::kDegenerate, "no pose agrees with the points"};
-    if (best->inliers.size() >= 4) {
+    if (best->inliers.size() >= kPointsOfPose) {
         refine_pose(pixels, points, refine_focal, *best);
         best->inliers =
             inliers_of(pixels, points, best->camera, best->cam_from_world, options.max_error_px);

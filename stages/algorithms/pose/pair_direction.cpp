@@ -16,6 +16,8 @@ namespace {
 /// Guard: deviations count as noise below this [rad]: a tenth of a pixel at f = 1000 px.
 constexpr double kMinScale = 1e-4;
 constexpr int kIterations = 20;  // Guard: ends the loop
+/// Guard: 1 - cosine of a change that is none: ends the loop.
+constexpr double kNoChange = 1e-12;
 
 double median_deviation(const std::vector<Eigen::Vector3d>& normals,
                         const Eigen::Vector3d& direction) {
@@ -66,7 +68,7 @@ Eigen::Vector3d direction_between(std::span<const Eigen::Vector3d> rays1,
     for (int iteration = 0; iteration < kIterations; ++iteration) {
         const Eigen::Vector3d before = direction;
         direction = refit(normals, before);
-        if (1.0 - std::abs(direction.dot(before)) < 1e-12) break;
+        if (1.0 - std::abs(direction.dot(before)) < kNoChange) break;
     }
     if (votes_for(rays1, rays2, normals, direction) < 0) direction *= -1.0;
     return direction;

@@ -24,7 +24,8 @@ std::optional<Eigen::Vector3d> triangulate(std::span<const View> views) {
         normal.noalias() += across.transpose() * across;
     }
     const Eigen::Vector4d homogeneous = eigensystem(normal).vectors.col(0);
-    if (std::abs(homogeneous.w()) < 1e-12 * homogeneous.head<3>().norm()) return std::nullopt;
+    constexpr double kAtInfinity = 1e-12;  // Guard: nothing is divided by less
+    if (std::abs(homogeneous.w()) < kAtInfinity * homogeneous.head<3>().norm()) return std::nullopt;
     const Eigen::Vector3d point = homogeneous.hnormalized();
     for (const View& view : views) {
         if ((view.cam_from_world * point).z() <= 0.0) return std::nullopt;

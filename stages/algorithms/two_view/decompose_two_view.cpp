@@ -50,7 +50,9 @@ std::vector<Rigid3> poses_from_homography(const Eigen::Matrix3d& h) {
             Eigen::Vector3d translation;
             cv::cv2eigen(rotations[i], rotation);
             cv::cv2eigen(translations[i], translation);
-            if (!rotation.allFinite() || !translation.allFinite() || translation.norm() < 1e-9)
+            constexpr double kNoTranslation = 1e-9;  // Guard: cannot be normalised
+            if (!rotation.allFinite() || !translation.allFinite() ||
+                translation.norm() < kNoTranslation)
                 continue;
             poses.push_back({Eigen::Quaterniond(rotation).normalized(), translation.normalized()});
         }

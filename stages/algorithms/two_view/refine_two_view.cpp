@@ -12,8 +12,9 @@ namespace psfm {
 namespace {
 
 Eigen::Quaterniond rotation_by(const Eigen::Vector3d& w) {
+    constexpr double kNoAxis = 1e-12;  // Guard: [rad]; nothing is divided by less
     const double angle = w.norm();
-    if (angle < 1e-12)
+    if (angle < kNoAxis)
         return Eigen::Quaterniond(1, 0.5 * w.x(), 0.5 * w.y(), 0.5 * w.z()).normalized();
     return Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle));
 }
@@ -76,12 +77,15 @@ Model minimize(std::span<const PointPair> points, Model model, const RefineOptio
     using Step = Eigen::Matrix<double, Model::kParameters, 1>;
     using Square = Eigen::Matrix<double, Model::kParameters, Model::kParameters>;
     SampsonSystem system = linearize_sampson(points, model.matrix(), options.loss_scale);
+    constexpr double kMostDamping = 1e6;    // Guard: ends the loop: steps of no length
+    constexpr double kLeastDamping = 1e-9;  // Guard: keeps a step that went wrong from costing many
+    constexpr double kFloor = 1e-12;        // Guard: of the diagonal, in parts of its sum
     double damping = 1e-4;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
         const Eigen::Matrix<double, 9, Model::kParameters> j = model.jacobian();
         Square normal = j.transpose() * system.information * j;
         const Step gradient = j.transpose() * system.gradient;
-        normal.diagonal() += damping * normal.diagonal() + Step::Constant(1e-12 * normal.trace());
+        normal.diagonal() += damping * normal.diagonal() + Step::Constant(kFloor * normal.trace());
         const Step step = -solve_symmetric(normal, gradient);
         if (!step.allFinite()) break;
         const Model candidate = model.moved(step);
@@ -89,13 +93,13 @@ Model minimize(std::span<const PointPair> points, Model model, const RefineOptio
             linearize_sampson(points, candidate.matrix(), options.loss_scale);
         if (!(next.cost < system.cost)) {
             damping *= 10.0;
-            if (damping > 1e6) break;
+            if (damping > kMostDamping) break;
             continue;
         }
         const bool converged = system.cost - next.cost < options.cost_tolerance * system.cost;
         model = candidate;
         system = next;
-        damping = std::max(0.1 * damping, 1e-9);
+        damping = std::max(0.1 * damping, kLeastDamping);
         if (converged) break;
     }
     return model;

@@ -51,9 +51,11 @@ std::optional<double> from_focal_plane(const ExifTags& tags, const Original& ori
     constexpr double kLargestDisagreement = 0.1;
     const double y_per_mm = tags.focal_plane_y_per_mm.value_or(x_per_mm);
     if (std::abs(y_per_mm / x_per_mm - 1.0) > kLargestDisagreement) return std::nullopt;
-    // Sensors from small phones' to medium format; wrong units fall outside.
+    // Guard: sensors from small phones' to medium format; wrong units fall outside.
+    constexpr double kSmallestSensorMm = 2.0;
+    constexpr double kLargestSensorMm = 80.0;
     const double sensor_mm = std::max(original.width, original.height) / x_per_mm;
-    if (sensor_mm < 2.0 || sensor_mm > 80.0) return std::nullopt;
+    if (sensor_mm < kSmallestSensorMm || sensor_mm > kLargestSensorMm) return std::nullopt;
     return *tags.focal_mm * x_per_mm * original.scale;
 }
 
@@ -65,10 +67,12 @@ std::optional<double> from_lensfun(const ExifTags& tags, const Original& origina
            original.scale;
 }
 
-/// Fields of view from a fisheye's to a telescope's.
+/// Whether the field of view is between a fisheye's and a telescope's.
 bool is_possible(double focal_px, double width, double height) {
+    constexpr double kFisheye = 0.15;    // Guard: diagonals; what is shorter is a broken tag
+    constexpr double kTelescope = 60.0;  // Guard: and what is longer
     const double ratio = focal_px / std::hypot(width, height);
-    return ratio > 0.15 && ratio < 60.0;
+    return ratio > kFisheye && ratio < kTelescope;
 }
 
 /// Whether a photograph has a shape that cameras give it: 1:1, 5:4, 4:3, 3:2, 16:10, 16:9, 17:9, or

@@ -48,8 +48,10 @@ CropFactors load_crop_factors() {
                 if (is_variant != take_variants) continue;
                 if ((*camera)->Maker == nullptr || (*camera)->Model == nullptr) continue;
                 const double crop = static_cast<double>((*camera)->CropFactor);
-                // Larger than medium format or smaller than a phone's sensor: not set.
-                if (!(crop > 0.3 && crop < 20.0)) continue;
+                // Guard: larger than medium format or smaller than a phone's sensor: not set.
+                constexpr double kLeastCrop = 0.3;
+                constexpr double kMostCrop = 20.0;
+                if (!(crop > kLeastCrop && crop < kMostCrop)) continue;
                 result.emplace(
                     std::pair(normalized((*camera)->Maker), normalized((*camera)->Model)), crop);
             }

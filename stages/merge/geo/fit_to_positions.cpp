@@ -142,6 +142,10 @@ Sim3 fit_to_positions(std::span<const LocatedCamera> cameras, const Gravity* gra
                       const Sim3& start, const GeoreferenceOptions& options) {
     constexpr double kLargestStep = 1.0;  // Guard: [rad], and log scale
     constexpr double kConverged = 1e-10;  // Guard: relative decrease of the cost
+    constexpr double kMostDamping = 1e8;  // Guard: ends the loop: steps of no length
+    constexpr double kLeastDamping =
+        1e-12;                       // Guard: keeps a step that went wrong from costing many
+    constexpr double kFloor = 1e-6;  // Guard: keeps a turn where it is that nothing determines
     const Eigen::Vector3d mean = mean_centre(cameras);
     Sim3 sim = start;
     double cost = position_cost(cameras, gravity, sim, options);
@@ -149,8 +153,7 @@ Sim3 fit_to_positions(std::span<const LocatedCamera> cameras, const Gravity* gra
     for (int step = 0; step < kMaxSteps; ++step) {
         const Normal normal = linearize(cameras, gravity, sim, mean, options);
         Matrix7 damped = normal.matrix;
-        // The floor keeps a turn that nothing determines where it is.
-        damped.diagonal() += damping * (normal.matrix.diagonal() + Vector7::Constant(1e-6));
+        damped.diagonal() += damping * (normal.matrix.diagonal() + Vector7::Constant(kFloor));
         const Vector7 change = -solve_symmetric(damped, normal.gradient);
         if (!change.allFinite()) break;
         const Sim3 next = moved(sim, mean, change);
@@ -159,11 +162,11 @@ Sim3 fit_to_positions(std::span<const LocatedCamera> cameras, const Gravity* gra
             const bool converged = cost - next_cost <= kConverged * cost;
             sim = next;
             cost = next_cost;
-            damping = std::max(damping * 0.1, 1e-12);
+            damping = std::max(damping * 0.1, kLeastDamping);
             if (converged) break;
         } else {
             damping *= 10.0;
-            if (damping > 1e8) break;
+            if (damping > kMostDamping) break;
         }
     }
     return sim;

@@ -16,9 +16,10 @@
 namespace psfm {
 namespace {
 
-/// Guard: keeps a wrong fix from becoming the origin [m]. Lowered: walks with gaps fall apart into
-/// places of their own; raised: wrong fixes further off count as right, which puts the origin that
-/// far away and does no other harm.
+/// Guard: keeps a wrong fix from becoming the origin [m]: which
+/// position that is, and which are outvoted, is all that depends on it. Chosen, not measured.
+/// Lowered: walks with gaps fall apart into places of their own; raised: wrong fixes further off
+/// count as right, which puts the origin that far away and does no other harm.
 constexpr double kNearM = 10'000.0;
 
 bool are_near(const GpsPosition& one, const GpsPosition& other) {

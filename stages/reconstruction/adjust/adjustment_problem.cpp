@@ -35,7 +35,8 @@ AdjustmentSelection select_residuals(const WorkingModel& model, const Adjustment
     }
     const auto add = [&](const WorkingModel::Feature& feature, std::uint32_t point) {
         // A point behind a camera has no residual to start from; filtering will remove it.
-        if ((model.pose(feature.image) * model.points()[point].position).z() > 1e-6) {
+        constexpr double kNearest = 1e-6;  // Guard: of a depth that is divided by
+        if ((model.pose(feature.image) * model.points()[point].position).z() > kNearest) {
             selection.residuals.push_back({feature, point});
         }
     };

@@ -38,7 +38,9 @@ void couple_intrinsics(const LinearizedObservation& seen, EliminatedPoint& point
 }  // namespace
 
 double damping_of(double diagonal, double radius) {
-    return std::clamp(diagonal, 1e-6, 1e32) / radius;
+    constexpr double kLeastDiagonal = 1e-6;  // Guard: min_lm_diagonal of Ceres 2.1
+    constexpr double kMostDiagonal = 1e32;   // Guard: and its max_lm_diagonal
+    return std::clamp(diagonal, kLeastDiagonal, kMostDiagonal) / radius;
 }
 
 ObservationEvaluator::ObservationEvaluator(const WorkingModel& model,

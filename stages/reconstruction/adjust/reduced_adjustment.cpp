@@ -15,19 +15,22 @@ namespace {
 
 /// Ceres 2.1's trust region: its defaults, and how it follows the quality of a step.
 struct TrustRegion {
+    static constexpr double kLargest = 1e16;    // Guard: max_trust_region_radius of Ceres 2.1
+    static constexpr double kSmallest = 1e-32;  // Guard: and its min_trust_region_radius
+
     double radius = 1e4;
     double shrink = 2.0;
 
     void accept(double quality) {
         const double part = 2.0 * quality - 1.0;
-        radius = std::min(1e16, radius / std::max(1.0 / 3.0, 1.0 - part * part * part));
+        radius = std::min(kLargest, radius / std::max(1.0 / 3.0, 1.0 - part * part * part));
         shrink = 2.0;
     }
     void reject() {
         radius /= shrink;
         shrink *= 2.0;
     }
-    bool exhausted() const { return radius < 1e-32; }
+    bool exhausted() const { return radius < kSmallest; }
 };
 
 constexpr double kParameterTolerance = 1e-8;  // Guard: ends the loop; as Ceres has it

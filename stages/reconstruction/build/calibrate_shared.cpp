@@ -19,6 +19,10 @@ const ClusterImage& image_of(const ClusterProblem& problem, ImageId id) {
     return *std::ranges::lower_bound(problem.images, id, {}, &ClusterImage::id);
 }
 
+/// Guard: what a pair with another camera's image is worth: it holds the model together, and tells
+/// less of the camera that is asked. Ours; not tuned.
+constexpr double kWorthOfOthers = 0.1;
+
 /// How much a pair tells of the intrinsics.
 double worth(const TwoViewGeometry& geometry, double wanted_angle_deg) {
     const double angle = std::min(geometry.median_angle_deg / wanted_angle_deg, 1.0);
@@ -48,7 +52,7 @@ std::vector<ImageId> choose_images(const ClusterProblem& problem, const LocalGra
             if (first != added && second != added) continue;
             const ImageId other = first == added ? second : first;
             value_of[other] +=
-                (is_own(other) ? 1.0 : 0.1) * worth(pair->geometry, wanted_angle_deg);
+                (is_own(other) ? 1.0 : kWorthOfOthers) * worth(pair->geometry, wanted_angle_deg);
         }
     };
     for (const ImageId id : chosen) add_neighbors(id);

@@ -16,6 +16,11 @@ namespace {
 
 using Feature = WorkingModel::Feature;
 
+/// Guard: of time: an image that could not be placed is asked again once it sees so many points for
+/// each so many of the last time, twenty per cent more. Ours; not tuned.
+constexpr std::uint32_t kAgainAt = 6;
+constexpr std::uint32_t kAgainFor = 5;
+
 /// What an image needs to be placed.
 struct Demand {
     AbsolutePoseOptions pose;
@@ -44,8 +49,8 @@ std::optional<std::uint32_t> next_image(const WorkingModel& model, const Demand&
     for (std::uint32_t image = 0; image < model.image_count(); ++image) {
         if (model.registered(image)) continue;
         const std::uint32_t visible = model.visible_points(image);
-        // Twenty per cent more points are worth another try.
-        if (visible < demand.pose.min_inliers || 5 * visible < 6 * demand.points_at_last_try[image])
+        if (visible < demand.pose.min_inliers ||
+            kAgainFor * visible < kAgainAt * demand.points_at_last_try[image])
             continue;
         if (!best || model.visible_score(image) > model.visible_score(*best)) best = image;
     }

@@ -15,6 +15,17 @@
 namespace psfm {
 namespace {
 
+/// Guard: part of its inliers that a plane's pair counts with: it starts models less reliably. It
+/// decides which pair is tried first. Ours; not tuned.
+constexpr double kWorthOfPlane = 0.5;
+/// Guard: how often all pairs are tried, each time for so much smaller an angle: down to an eighth
+/// of the wanted one, where depths begin to be arbitrary. Ours; not tuned.
+constexpr int kAngleRounds = 4;
+constexpr double kNextAngle = 0.5;
+/// Guard: of time: part of the angle that verification must have found for triangulation to be
+/// tried. Ours; not tuned.
+constexpr double kAngleToTry = 0.5;
+
 struct Candidate {
     std::uint32_t image1;
     std::uint32_t image2;
@@ -40,7 +51,7 @@ std::vector<Candidate> rank_pairs(const WorkingModel& model, const LocalGraph& g
         const std::uint32_t image2 = local.at(pair->pair.second);
         if (exclude[image1] && exclude[image2]) continue;
         const double angle = std::min(geometry.median_angle_deg / options.min_angle_deg, 1.0);
-        const double kind = geometry.kind == TwoViewKind::kPlanar ? 0.5 : 1.0;
+        const double kind = geometry.kind == TwoViewKind::kPlanar ? kWorthOfPlane : 1.0;
         candidates.push_back({image1, image2, &geometry,
                               static_cast<double>(geometry.inliers.size()) * angle * angle * kind});
     }
@@ -92,10 +103,10 @@ Result<std::pair<std::uint32_t, std::uint32_t>> initialize_model(WorkingModel& m
     const std::vector<Candidate> candidates =
         rank_pairs(model, graph, exclude, options.initialization);
     double min_angle_deg = options.initialization.min_angle_deg;
-    for (int attempt = 0; attempt < 4; ++attempt, min_angle_deg *= 0.5) {
+    for (int attempt = 0; attempt < kAngleRounds; ++attempt, min_angle_deg *= kNextAngle) {
         for (const Candidate& candidate : candidates) {
             // The verified angle is a hint of what triangulation will find: skip what is far below.
-            if (candidate.geometry->median_angle_deg < 0.5 * min_angle_deg) continue;
+            if (candidate.geometry->median_angle_deg < kAngleToTry * min_angle_deg) continue;
             if (try_pair(model, candidate, min_angle_deg, options))
                 return std::pair(candidate.image1, candidate.image2);
         }

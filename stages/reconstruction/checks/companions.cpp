@@ -15,9 +15,11 @@ namespace {
 /// Guard: more images of one track say no more about who stands where.
 constexpr std::size_t kCountedOfTrack = 24;
 
-/// Guard: of a small model more would stand on the other side of what it shows twice. Of 96 random
-/// parts of 8 to 17 photographs of look-alikes (docs/experiments/subsets.md has some of them) 156
-/// images end wrong so, and 190 with four companions each.
+/// Guard: part of a model's images that companions may be: of a small model more would stand on the
+/// other side of what it shows twice. It changes results of models with fewer than six times
+/// BetweenOptions::companions, and was chosen on look-alikes: of 96 random parts of 8 to 17
+/// photographs of them (docs/experiments/subsets.md has some) 156 images end wrong so, and 190 with
+/// four companions each. It would be an option if the options came here.
 constexpr std::uint32_t kOneOf = 6;
 
 /// Of the points that an image sees, those who see them, too: some of each track.

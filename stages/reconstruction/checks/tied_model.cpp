@@ -52,8 +52,10 @@ void give_second_coefficient(WorkingModel& model) {
 }
 
 AdjustmentOptions adjustment_of(const TieOptions& options) {
-    return {
-        .loss_scale_px = 1.0, .max_iterations = options.max_iterations, .function_tolerance = 1e-4};
+    constexpr double kTolerance = 1e-4;  // Guard: of time. Ours; not tuned
+    return {.loss_scale_px = 1.0,
+            .max_iterations = options.max_iterations,
+            .function_tolerance = kTolerance};
 }
 
 /// What an image sees of some points.

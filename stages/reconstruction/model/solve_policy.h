@@ -39,8 +39,8 @@ enum class SolveEffort : std::uint8_t {
 };
 
 /// The sizes at which a solve changes its ways, all of them in images, and what is asked again as
-/// something grows. The others stand with what they are of, and tools/ci/check-sizes keeps this list
-/// whole:
+/// something grows. The others stand with what they are of, and tools/ci/check-sizes keeps this
+/// list whole:
 /// - RefinementOptions::thin_from_images: growing and settling a model each have their own;
 /// - ClusteringOptions::join_up_to, `affordable_up_to` for clusters that are not solved yet,
 ///   hold_from, the exception from it, and join_below: which images are in one cluster is decided

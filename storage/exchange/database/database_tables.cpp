@@ -47,9 +47,10 @@ Result<std::pair<std::uint32_t, Camera>> camera_of(const SqliteConnection& datab
         return damaged_database(database.path(), "camera " + std::to_string(*id) + ": " + problem);
     };
     const auto model = row.integer(1);
-    // 5 to 17 are COLMAP's further models; anything else is no camera model at all.
-    if (!model || *model < 0 || *model > 17) return damaged("unknown camera model");
-    if (*model > 4) {
+    constexpr std::int64_t kLastRead = 4;    // Format: COLMAP's number of kOpenCv
+    constexpr std::int64_t kLastKnown = 17;  // Format: of its last model; beyond there is none
+    if (!model || *model < 0 || *model > kLastKnown) return damaged("unknown camera model");
+    if (*model > kLastRead) {
         return unsupported_model(database.path(), *id, "number " + std::to_string(*model));
     }
     const auto width = row.integer(2);

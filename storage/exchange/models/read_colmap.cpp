@@ -27,9 +27,11 @@ std::optional<std::string> problem_of(const Camera& camera) {
 }
 
 std::optional<std::string> problem_of_pose(Rigid3& cam_from_world) {
+    constexpr double kNoRotation = 1e-6;  // Guard: cannot be normalised without losing its digits
+    constexpr double kRounding = 1e-14;   // Guard: what is nearer is left as it was written
     const double norm = cam_from_world.rotation.norm();
-    if (!std::isfinite(norm) || norm < 1e-6) return "quaternion is zero or not finite";
-    if (std::abs(norm - 1.0) > 1e-14) cam_from_world.rotation.normalize();
+    if (!std::isfinite(norm) || norm < kNoRotation) return "quaternion is zero or not finite";
+    if (std::abs(norm - 1.0) > kRounding) cam_from_world.rotation.normalize();
     if (!cam_from_world.translation.allFinite()) return "translation is not finite";
     if (cam_from_world.translation.norm() > kFarthest)
         return "camera is more than 1e12 from the origin";

@@ -54,9 +54,10 @@ Result<std::vector<ExportedCamera>> read_cameras_binary(const std::filesystem::p
             !input.read(height)) {
             return input.damaged(kTruncated);
         }
-        if (model < 0 || model > 4) {
-            // 5 to 17 are COLMAP's further models; anything else is no camera model at all.
-            if (model < 0 || model > 17) return input.damaged("unknown camera model");
+        constexpr std::int32_t kLastRead = 4;    // Format: COLMAP's number of kOpenCv
+        constexpr std::int32_t kLastKnown = 17;  // Format: of its last model; beyond there is none
+        if (model < 0 || model > kLastRead) {
+            if (model < 0 || model > kLastKnown) return input.damaged("unknown camera model");
             return unsupported_model(path, item.id, "number " + std::to_string(model));
         }
         if (width > UINT32_MAX || height > UINT32_MAX)
