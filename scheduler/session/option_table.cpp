@@ -31,6 +31,7 @@ struct Retired {
     std::string_view name, now;
 };
 constexpr std::array kRetired{
+    Retired{"clustering.hold_from", "clustering.hold_part"},
     Retired{"solve.policy.places.whole_up_to", "solve.policy.affordable_up_to"}};
 
 const Retired* find_retired(std::string_view name) {

@@ -85,7 +85,7 @@ constexpr std::array kPhotographAndPairOptions{
 
     PSFM_OPTION(clustering.eta, 0, 1, "distance below which two images are in one cluster", "paper, \"Implementation\""),
     PSFM_OPTION(clustering.form, 0, 1, "the distance of two images: with themselves among their neighbours (0), or as printed (1)", "ours; docs/design.md"),
-    PSFM_OPTION(clustering.hold_from, 2, kCount, "clusters of fewer images join one of any size", "ours; not tuned"),
+    PSFM_OPTION(clustering.hold_part, 1e-6, 1, "part of join_up_to below which a cluster joins one of any size", "ours; not tuned"),
     PSFM_OPTION(clustering.join_below, 0, 1000, "images that a group needs to stay by itself; 0: any does", "ours: twice the paper's mu_min puts kitchen into one part; not tuned further"),
     PSFM_OPTION(clustering.join_up_to, 0, kCount, "images up to which large clusters join while images stream in; 0: always", "ours; docs/performance.md"),
 };

@@ -8,8 +8,9 @@
 namespace psfm {
 
 bool may_join(std::size_t a, std::size_t b, const ClusteringOptions& options) {
-    return options.join_up_to == 0 || a + b <= options.join_up_to ||
-           std::min(a, b) < options.hold_from;
+    if (options.join_up_to == 0 || a + b <= options.join_up_to) return true;
+    const std::size_t smaller = std::min(a, b);
+    return smaller == 1 || static_cast<double>(smaller) < options.hold_part * options.join_up_to;
 }
 
 Result<void> validate(const ClusteringOptions& options) {
@@ -18,9 +19,10 @@ Result<void> validate(const ClusteringOptions& options) {
                      "clustering: eta is " + std::to_string(options.eta) +
                          "; give a distance between 0 and 1, 0.2 is the default"};
     }
-    if (options.join_up_to > 0 && options.hold_from < 2) {
+    if (!(options.hold_part > 0.0 && options.hold_part <= 1.0)) {
         return Error{ErrorCode::kInvalidArgument,
-                     "clustering: hold_from is below 2, so that single images would be held apart"};
+                     "clustering: hold_part is " + std::to_string(options.hold_part) +
+                         "; give a part above 0 and up to 1, 0.1 is the default"};
     }
     return {};
 }

@@ -34,16 +34,17 @@ struct ClusteringOptions {
     /// mu_min would do for what waits; twice that puts `kitchen` into one part; not tuned
     /// further.
     std::uint32_t join_below = 10;
-    /// Clusters that together have more images, each of them at least `hold_from`, are joined only
-    /// by join_late, when no more images come: until then what happens in one of them
+    /// Clusters that together have more images, each of them at least `hold_part` of so many, are
+    /// joined only by join_late, when no more images come: until then what happens in one of them
     /// costs what it does in a cluster of this size, they are solved side by side, and merging puts
     /// them into one frame. Raised: joints of thousands of images while images stream in; lowered:
     /// what is seen from two clusters is known less well in between. 0: all are joined at once, as
     /// in the paper. Ours (docs/performance.md).
     std::uint32_t join_up_to = 1000;
-    /// A cluster of fewer images joins one of any size. Raised: joints with large clusters more
-    /// often; lowered: more small clusters beside them. Ours; not tuned.
-    std::uint32_t hold_from = 100;
+    /// A cluster of fewer images than this part of join_up_to, or a single one, joins one of any
+    /// size; (0, 1]. Raised: joints with large clusters more often; lowered: more small clusters
+    /// beside them. Ours; not tuned.
+    double hold_part = 0.1;
 };
 
 /// Whether clusters of so many images, at least one each, are joined at once.

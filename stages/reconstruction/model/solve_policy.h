@@ -43,8 +43,8 @@ enum class SolveEffort : std::uint8_t {
 /// list whole:
 /// - RefinementOptions::thin_from_images: growing and settling a model each have their own;
 /// - ClusteringOptions::join_up_to, `affordable_up_to` for clusters that are not solved yet,
-///   hold_from, the exception from it, and join_below: which images are in one cluster is decided
-///   before any solve, and the clustering does not know of models;
+///   and join_below: which images are in one cluster is decided before any solve, and the
+///   clustering does not know of models;
 /// - RetrievalOptions::candidates, up to which every earlier image is asked and after whose
 ///   multiples the words are weighed anew, its vouched_beyond (images for each candidate), and
 ///   max_training_images: of all images of the session, whatever clusters they come into.

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stages/reconstruction/solve/solve_recycled.h"
 
-#include <cassert>
 #include <optional>
 #include <utility>
 
@@ -95,8 +94,6 @@ Result<void> mend_bad_configuration(SolveDraft& draft, const SolveContext& conte
 
 /// As planned: all of the model, to convergence.
 Result<void> settle(SolveDraft& draft, const SolveContext& context) {
-    assert(plan_solve(context.problem, context.options.policy).scope == SolveScope::kAll &&
-           plan_solve(context.problem, context.options.policy).effort == SolveEffort::kConverged);
     const auto adjustments =
         refine_model(draft.model, context.options.settling, context.refining());
     if (!adjustments.ok()) return adjustments.error();

@@ -20,8 +20,12 @@ namespace {
 using test::connect;
 using test::WeightTable;
 
-ClusteringOptions options_with(std::uint32_t join_up_to, std::uint32_t hold_from) {
-    return {.eta = 0.5, .join_below = 0, .join_up_to = join_up_to, .hold_from = hold_from};
+/// @param hold_from  images from which a cluster does not join any other
+ClusteringOptions options_with(std::uint32_t join_up_to, std::uint32_t hold_from,
+                               double eta = 0.5) {
+    ClusteringOptions options{.eta = eta, .join_below = 0, .join_up_to = join_up_to};
+    if (join_up_to > 0) options.hold_part = static_cast<double>(hold_from) / join_up_to;
+    return options;
 }
 
 std::vector<ImageId> images(std::uint32_t first, std::uint32_t last) {
@@ -79,7 +83,8 @@ void expect_consistent(const ClusteringState& state, const ViewGraph& graph,
                 const ClusterId there = state.cluster_of[index_of(other)];
                 if (there == id) continue;
                 const std::size_t least = std::min(members.size(), state.members.at(there).size());
-                ASSERT_GE(least, options.hold_from);
+                ASSERT_GE(static_cast<double>(least), options.hold_part * options.join_up_to);
+                ASSERT_GE(least, 2U);
                 ASSERT_GT(members.size() + state.members.at(there).size(), options.join_up_to);
                 ++held;
             }
@@ -102,10 +107,10 @@ void expect_consistent(const ClusteringState& state, const ViewGraph& graph,
 
 ClusteringOptions random_options(synthetic::Rng& rng) {
     constexpr double kEtas[] = {0.2, 0.5, 0.8};
-    return {.eta = kEtas[rng.below(3)],
-            .join_below = 0,
-            .join_up_to = static_cast<std::uint32_t>(2 + rng.below(12)),
-            .hold_from = static_cast<std::uint32_t>(2 + rng.below(4))};
+    const double eta = kEtas[rng.below(3)];
+    const auto join_up_to = static_cast<std::uint32_t>(2 + rng.below(12));
+    return options_with(join_up_to,
+                        static_cast<std::uint32_t>(1 + rng.below(std::min(5U, join_up_to))), eta);
 }
 
 TEST(HeldClusters, KeepTheirPromisesInEveryOrder) {
@@ -176,8 +181,7 @@ TEST(HeldClusters, AnImageBetweenTwoGoesWithTheOneThatItSharesMostWith) {
         connect(table, 0, 5, 50.0);
         connect(table, 6, 11, 50.0);
         for (std::size_t i = 0; i < 12; ++i) table.set(i, 12, (i >= 6) == second ? 40.0 : 30.0);
-        const ClusteringState state =
-            grown_in_order(table, {.eta = 0.8, .join_below = 0, .join_up_to = 8, .hold_from = 2});
+        const ClusteringState state = grown_in_order(table, options_with(8, 2, 0.8));
         ASSERT_EQ(state.members.size(), 2U);
         EXPECT_EQ(state.cluster_of[12], state.cluster_of[second ? 6 : 0]);
         EXPECT_NE(state.cluster_of[0], state.cluster_of[6]);
@@ -200,8 +204,17 @@ TEST(HeldClusters, JoinOnceOneOfThemHasBecomeSmall) {
 }
 
 TEST(HeldClusters, SingleImagesAreNeverHeld) {
-    EXPECT_FALSE(validate(options_with(10, 1)).ok());
-    EXPECT_TRUE(validate(options_with(0, 1)).ok());
+    EXPECT_TRUE(may_join(1, 20, options_with(10, 1)));
+    EXPECT_FALSE(may_join(2, 20, options_with(10, 1)));
+    EXPECT_TRUE(may_join(99, 5000, ClusteringOptions{}));
+    EXPECT_FALSE(may_join(100, 901, ClusteringOptions{}));
+    EXPECT_TRUE(may_join(100, 900, ClusteringOptions{}));
+}
+
+TEST(HeldClusters, APartToHoldIsAPart) {
+    EXPECT_TRUE(validate(options_with(10, 1)).ok());
+    EXPECT_FALSE(validate(options_with(10, 0)).ok());
+    EXPECT_FALSE(validate(options_with(10, 11)).ok());
 }
 
 }  // namespace
