@@ -51,9 +51,9 @@ class EdgesBetweenClusters {
     std::map<ClusterPair, ClusterPairEdgesPtr> between_;
 };
 
-/// All verified pairs between the images that two clusters place, edges at present or not: of
-/// clusters that are kept apart none is.
-/// @param graph    that of the session, by which weak ones match cameras (WeakMatches)
+/// The plausible pairs between the images that two clusters place, edges at present or not (of
+/// clusters that are kept apart none is), and those of the weak ones that match cameras.
+/// @param graph  that of the session, by which they do (WeakMatches)
 /// REQUIRES: both have a model
 ClusterPairEdgesPtr verified_between(const EdgeSelection& selection, const ViewGraph& graph,
                                      const ClusterEntry& a, const ClusterEntry& b,

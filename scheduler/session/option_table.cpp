@@ -29,9 +29,19 @@ const std::vector<NamedOption>& table() {
 /// another one now.
 struct Retired {
     std::string_view name, now;
+    /// Sets the other one from its value, once all others are set; null: it cannot be told.
+    void (*take_over)(StageOptions& options, double value) = nullptr;
 };
+
+void hold_from(StageOptions& options, double images) {
+    ClusteringOptions& clustering = options.clustering;
+    constexpr double kLeast = 1e-6;  // Guard: the option's range
+    if (clustering.join_up_to > 0)
+        clustering.hold_part = std::clamp(images / clustering.join_up_to, kLeast, 1.0);
+}
+
 constexpr std::array kRetired{
-    Retired{"clustering.hold_from", "clustering.hold_part"},
+    Retired{"clustering.hold_from", "clustering.hold_part", &hold_from},
     Retired{"solve.policy.places.whole_up_to", "solve.policy.affordable_up_to"}};
 
 const Retired* find_retired(std::string_view name) {
@@ -88,7 +98,7 @@ std::map<std::string, double> option_values(const StageOptions& options) {
 Result<void> set_options(StageOptions& options, const std::map<std::string, double>& values) {
     for (const auto& [name, value] : values) {
         const NamedOption* option = find(name);
-        if (option == nullptr && find_retired(name) != nullptr) continue;
+        if (option == nullptr && find_retired(name) != nullptr) continue;  // below
         if (option == nullptr) return unknown(name);
         if (!(value >= option->low && value <= option->high)) {
             return Error{ErrorCode::kInvalidArgument,
@@ -96,6 +106,11 @@ Result<void> set_options(StageOptions& options, const std::map<std::string, doub
                              " to " + text(option->high)};
         }
         option->set(options, value);
+    }
+    for (const Retired& retired : kRetired) {
+        const auto value = values.find(std::string(retired.name));
+        if (value == values.end() || values.contains(std::string(retired.now))) continue;
+        if (retired.take_over != nullptr) retired.take_over(options, value->second);
     }
     return {};
 }
@@ -105,7 +120,10 @@ Result<std::pair<std::string, double>> parse_setting(const std::string& text) {
     const std::string name = text.substr(0, sign);
     if (sign == std::string::npos)
         return Error{ErrorCode::kInvalidArgument, "'" + text + "' is not of the form NAME=VALUE"};
-    if (find(name) == nullptr) return unknown(name);
+    const Retired* retired = find_retired(name);
+    const bool is_known =
+        find(name) != nullptr || (retired != nullptr && retired->take_over != nullptr);
+    if (!is_known) return unknown(name);
     double value = 0.0;
     const char* end = text.data() + text.size();
     const auto [parsed, error] = std::from_chars(text.data() + sign + 1, end, value);

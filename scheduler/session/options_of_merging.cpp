@@ -39,10 +39,6 @@ namespace {
         PSFM_OPTION(FIELD.max_unmatched_part, 0, 1,                                                \
                     "and their part of all that stand beside some",                                \
                     "ours, on the simulated town; docs/look-alikes.md, \"Places\""),               \
-        PSFM_OPTION(FIELD.min_weak_part, 0, 1,                                                     \
-                    "part of the inliers of the best edge of either of its images by which a "     \
-                    "weak edge counts as one here",                                                \
-                    "ours, on quad-streams; docs/notebook, a joint of look-alikes"),               \
         PSFM_OPTION(FIELD.max_edges_per_pair, 0, kCount,                                           \
                     "edges looked at between two clusters; 0: all",                                \
                     "ours; not tuned: fifty fix seven numbers"),                                   \
@@ -61,6 +57,7 @@ namespace {
 // clang-format off
 constexpr std::array kMergingOptions{
     PSFM_CONSTRAINT_OPTIONS(merge.constraint),
+    PSFM_OPTION(merge.constraint.min_weak_part, 0, 1, "part of the inliers of the best edge of either of its images by which a weak edge counts as one here", "ours, on quad-streams; docs/notebook, a joint of look-alikes"),
     PSFM_CONSTRAINT_OPTIONS(solve.transfer),
     PSFM_OPTION(merge.pose_graph.huber_scale, 1e-6, 1000, "residual at which the pose graph's loss turns linear", "ours; not tuned"),
     PSFM_OPTION(merge.pose_graph.max_iterations, 1, kCount, "steps of the pose graph", "ours; not tuned"),

@@ -3,14 +3,17 @@
 #include "stages/clustering/clustering_options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace psfm {
 
 bool may_join(std::size_t a, std::size_t b, const ClusteringOptions& options) {
     if (options.join_up_to == 0 || a + b <= options.join_up_to) return true;
+    constexpr double kRounding = 1e-12;  // Guard: a part of whole numbers gives them back
+    const double held_from = std::ceil(options.hold_part * options.join_up_to * (1.0 - kRounding));
     const std::size_t smaller = std::min(a, b);
-    return smaller == 1 || static_cast<double>(smaller) < options.hold_part * options.join_up_to;
+    return smaller == 1 || static_cast<double>(smaller) < held_from;
 }
 
 Result<void> validate(const ClusteringOptions& options) {

@@ -177,8 +177,8 @@ TEST_P(LargeSession, OfATownIsWhereItShouldBe) {
 // time: Users300 0.014, 24; Shuffled300 0.024, 26; Users700 0.092, 54; Users1500 0.091, 136. All
 // four with `ctest -L large -j 2`: 276 s. OtherUsers700 ends in two right parts where parts that a
 // strong pair connects join again (hang_together), and has 59 torn images else. Seeds whose towns
-// stay folded are left out: with seed 1, 27 images of 700 are torn, and 102 of 1,500
-// (docs/look-alikes.md, "Folds that stay").
+// stay folded are left out: with seed 1, 27 images of 700 are torn, and 102 of 1,500 (of 15d8abf;
+// docs/look-alikes.md, "Folds that stay").
 INSTANTIATE_TEST_SUITE_P(
     Towns, LargeSession,
     testing::Values(Town{"Users300", 300, 3, 0.15, Order::kUsers, 2, 1, 0.06, 5},

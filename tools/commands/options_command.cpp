@@ -57,8 +57,8 @@ void print_markdown(const StageOptions& defaults, const StageOptions& paper) {
                  "values than those in their structs (`LocaliseOptions`, `LocalisationMapOptions`, "
                  "`EvaluationOptions`,\n"
                  "`AdoptFeaturesOptions`); pictures of a `dataset` go by the flags of its export "
-                 "(`PictureOptions`), the words of\n"
-                 "`psfm vocabulary train` by its `--words` (`TrainOptions`).\n";
+                 "(`PictureOptions`), the number of\n"
+                 "words of `psfm vocabulary train` by its `--words` (`TrainOptions`).\n";
     std::string_view stage;
     for (const NamedOption& option : option_table()) {
         if (const auto of = option.name.substr(0, option.name.find('.')); of != stage) {

@@ -18,7 +18,8 @@ namespace psfm {
 class WeakMatches {
   public:
     /// @param min_part  ClusterConstraintOptions::min_weak_part
-    /// REQUIRES: the graph outlives this, and does not change meanwhile
+    /// REQUIRES: the graph outlives this, does not change meanwhile, and all of its edges have
+    /// pairs
     WeakMatches(const ViewGraph& graph, double min_part) : graph_(&graph), min_part_(min_part) {}
 
     /// @param weak  of images of the graph; whether it is an edge there does not matter

@@ -23,7 +23,7 @@ constexpr double kWorthOfPlane = 0.5;
 constexpr int kAngleRounds = 4;
 constexpr double kNextAngle = 0.5;
 /// Guard: of time: part of the angle that verification must have found for triangulation to be
-/// tried. Ours; not tuned.
+/// tried; a pair that has less by mistake does not start a model. Ours; not tuned.
 constexpr double kAngleToTry = 0.5;
 
 struct Candidate {

@@ -250,7 +250,7 @@ TEST(EdgesBetweenClusters, AreWhatLookingAtAllClustersFinds) {
             case 1:
             case 2:
                 if (a != b && !session.connected(a, b))
-                    session.connect(a, b, below(3) == 0 ? 0.0 : 50.0);
+                    session.connect(a, b, below(3) == 0 ? 0.0 : 50.0, 5 + below(200));
                 break;
             case 3:
                 if (a != b && session.connected(a, b)) session.disconnect(a, b);

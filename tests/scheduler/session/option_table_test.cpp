@@ -125,6 +125,21 @@ TEST(OptionTable, ASessionMayHaveStoredAnOptionThatIsNoMore) {
         << set.error().message;
 }
 
+TEST(OptionTable, WhatAnOptionThatIsNoMoreSaidHolds) {
+    SessionConfig config;
+    config.options = {{"clustering.hold_from", 7.0}, {"clustering.join_up_to", 25.0}};
+    const auto stored = stage_options(config);
+    ASSERT_TRUE(stored.ok()) << stored.error().message;
+    EXPECT_TRUE(may_join(6, 40, stored->clustering));
+    EXPECT_FALSE(may_join(7, 40, stored->clustering)) << "seven twenty-fifths are seven";
+    const auto set = parse_setting("clustering.hold_from=50");
+    ASSERT_TRUE(set.ok()) << set.error().message;
+    config.options = {*set};
+    EXPECT_DOUBLE_EQ(stage_options(config)->clustering.hold_part, 0.05);
+    config.options["clustering.hold_part"] = 0.2;
+    EXPECT_DOUBLE_EQ(stage_options(config)->clustering.hold_part, 0.2);
+}
+
 TEST(OptionTable, SessionsFromBeforeGoOnAsTheyBegan) {
     auto settings = nlohmann::json::parse(encode_config(SessionConfig{}));
     settings.erase("options");
