@@ -219,6 +219,12 @@ with open(sys.argv[1], "w") as log:
         program = self.program("fails", "#!{python}\nprint('no space'); raise SystemExit(3)\n")
         with self.assertRaisesRegex(console.Failed, "(?s)fails.*status 3.*no space"):
             watched.watch([program], self.folder / "out.txt")
+        with self.assertRaisesRegex(console.Failed, "status 3"):
+            watched.watch([program], self.folder / "out.txt", accept="no model")
+
+    def test_an_answer_that_is_none_is_no_failure(self):
+        program = self.program("finds nothing", "#!{python}\nprint('no model'); raise SystemExit(1)\n")
+        self.assertGreater(watched.watch([program], self.folder / "out.txt", accept="no model").seconds, 0)
 
 
 class Scratch(Folder):

@@ -50,6 +50,14 @@ def given_pinhole(reference):
     return next(iter(found))[1]
 
 
+NO_MODEL = "failed to create sparse model"  # COLMAP's mapper has placed nothing, and ends with status 1
+
+
+def watch_steps(commands, folder):
+    """{step: Watched} of COLMAP's commands, one after the other."""
+    return {name: watch(command, folder / f"{name}.txt", accept=NO_MODEL) for name, command in commands.items()}
+
+
 def colmap_commands(settings, peer, given, folder):
     """@return ({step: command}, folder that the mapper writes into)"""
     photographs, names, reference = given
@@ -83,7 +91,7 @@ def result_of(steps, judged):
 def _run_colmap(settings, peer, given):
     folder = scratch(settings, f"peers/{peer.name}-colmap")
     commands, sparse = colmap_commands(settings, peer, given, folder)
-    steps = {name: watch(command, folder / f"{name}.txt") for name, command in commands.items()}
+    steps = watch_steps(commands, folder)
     judged = judge(settings, models_in(sparse), given[2])
     shutil.rmtree(folder)
     return result_of(steps, judged)

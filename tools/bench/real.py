@@ -10,7 +10,7 @@ from colmap_model import centres_of, models_in
 from colmap_progressive import judge
 from console import say
 from kept import Kept, digest_of_names
-from peers import Peer, colmap_commands, psfm_command, required_colmap, result_of
+from peers import Peer, colmap_commands, psfm_command, required_colmap, result_of, watch_steps
 from real_report import section  # noqa: F401  (the part's own)
 from sources import in_datasets
 from watched import Watched, watch
@@ -42,7 +42,7 @@ def _run_colmap(settings, peer, given, version):
     if record is None:
         kept.begin()
         commands, sparse = colmap_commands(settings, peer, given, kept.folder)
-        steps = {name: watch(command, kept.folder / f"{name}.txt") for name, command in commands.items()}
+        steps = watch_steps(commands, kept.folder)
         (kept.folder / "database.db").unlink()
         record = kept.finish({name: run.in_short() for name, run in steps.items()})
     steps = {name: Watched(**run) for name, run in record.items()}

@@ -68,10 +68,11 @@ def resident_mib(pid):
     return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
-def watch(command, output, log=None):
+def watch(command, output, log=None, accept=None):
     """Runs a program to its end. What it prints goes into the file `output`; a status other than 0 is a failure.
 
-    @param log  the JSON lines that it writes, if it does
+    @param log     the JSON lines that it writes, if it does
+    @param accept  words with which it ends where a positive status is an answer, and no failure
     """
     command = [str(word) for word in command]
     output = Path(output)
@@ -109,6 +110,6 @@ def watch(command, output, log=None):
     reader.read()
     reader.close()
     code = os.waitstatus_to_exitcode(status)
-    if code != 0:
+    if code < 0 or code > 0 and (accept is None or accept not in tail_of(output)):
         raise Failed(f"{shlex.join(command)}\nended with status {code}; {output} ends with\n{tail_of(output)}")
     return Watched(seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, samples, reader.entries)
