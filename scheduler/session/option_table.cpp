@@ -31,6 +31,7 @@ struct Retired {
     std::string_view name, now;
     /// Sets the other one from its value, once all others are set; null: it cannot be told.
     void (*take_over)(StageOptions& options, double value) = nullptr;
+    double low = 0.0;  ///< least value that it had
 };
 
 void hold_from(StageOptions& options, double images) {
@@ -41,7 +42,7 @@ void hold_from(StageOptions& options, double images) {
 }
 
 constexpr std::array kRetired{
-    Retired{"clustering.hold_from", "clustering.hold_part", &hold_from},
+    Retired{"clustering.hold_from", "clustering.hold_part", &hold_from, 2},
     Retired{"solve.policy.places.whole_up_to", "solve.policy.affordable_up_to"}};
 
 const Retired* find_retired(std::string_view name) {
@@ -96,21 +97,28 @@ std::map<std::string, double> option_values(const StageOptions& options) {
 }
 
 Result<void> set_options(StageOptions& options, const std::map<std::string, double>& values) {
+    const auto check = [](const std::string& name, double value, double low,
+                          double high) -> Result<void> {
+        if (value >= low && value <= high) return {};
+        return Error{
+            ErrorCode::kInvalidArgument,
+            name + " is " + text(value) + "; give a value from " + text(low) + " to " + text(high)};
+    };
     for (const auto& [name, value] : values) {
         const NamedOption* option = find(name);
         if (option == nullptr && find_retired(name) != nullptr) continue;  // below
         if (option == nullptr) return unknown(name);
-        if (!(value >= option->low && value <= option->high)) {
-            return Error{ErrorCode::kInvalidArgument,
-                         name + " is " + text(value) + "; give a value from " + text(option->low) +
-                             " to " + text(option->high)};
-        }
+        if (const auto fits = check(name, value, option->low, option->high); !fits.ok())
+            return fits.error();
         option->set(options, value);
     }
     for (const Retired& retired : kRetired) {
-        const auto value = values.find(std::string(retired.name));
-        if (value == values.end() || values.contains(std::string(retired.now))) continue;
-        if (retired.take_over != nullptr) retired.take_over(options, value->second);
+        const auto set = values.find(std::string(retired.name));
+        if (set == values.end() || values.contains(std::string(retired.now))) continue;
+        if (retired.take_over == nullptr) continue;
+        if (const auto fits = check(set->first, set->second, retired.low, kCount); !fits.ok())
+            return fits.error();
+        retired.take_over(options, set->second);
     }
     return {};
 }

@@ -136,6 +136,9 @@ TEST(OptionTable, WhatAnOptionThatIsNoMoreSaidHolds) {
     ASSERT_TRUE(set.ok()) << set.error().message;
     config.options = {*set};
     EXPECT_DOUBLE_EQ(stage_options(config)->clustering.hold_part, 0.05);
+    config.options = {*parse_setting("clustering.hold_from=1")};
+    EXPECT_FALSE(stage_options(config).ok()) << "it was 2 at least";
+    config.options = {*set};
     config.options["clustering.hold_part"] = 0.2;
     EXPECT_DOUBLE_EQ(stage_options(config)->clustering.hold_part, 0.2);
 }

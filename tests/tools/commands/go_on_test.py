@@ -130,6 +130,16 @@ class GoOn(unittest.TestCase):
         self.assertIn("another --seed", self.ends(BAD_INPUT, "import", *self.database(), "--seed", 4))
         self.assertIn("another --preset", self.ends(BAD_INPUT, "import", *self.database(), "--preset", "default"))
 
+    def test_options_of_the_stages_are_as_they_were_whatever_they_are_called(self):
+        # hold_from is no more: a part of join_up_to by now.
+        begun = "--set", "clustering.hold_from=7", "--set", "clustering.join_up_to=25"
+        self.ends(0, "import", *self.database(), *begun)
+        self.ends(0, "import", *self.database(), *begun)
+        self.ends(0, "import", *self.database(), "--set", "clustering.hold_part=0.28")
+        for other in "clustering.hold_from=8", "clustering.hold_part=0.3", "clustering.eta=0.3":
+            self.assertIn("another --set " + other.split("=", maxsplit=1)[0],
+                          self.ends(BAD_INPUT, "import", *self.database(), "--set", other))
+
     def test_resume_keeps_the_history_that_was_asked_for(self):
         log = self.folder / "log"
         with subprocess.Popen([BUILD / "psfm", "import", *self.database(), "--history", "full", "--deterministic", "--log",

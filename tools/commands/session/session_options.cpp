@@ -45,9 +45,13 @@ Result<SessionConfig> continue_config(const SessionConfig& begun, SessionConfig 
         return differs("--fix-intrinsics");
     if (!holds("--seed", &SessionConfig::seed)) return differs("--seed");
     if (!holds("--vocabulary", &SessionConfig::vocabulary_file)) return differs("--vocabulary");
-    for (const auto& [name, value] : asked.options) {
-        const auto known = begun.options.find(name);
-        if (known == begun.options.end() || known->second != value) return differs("--set " + name);
+    const auto of_session = stage_options(begun);
+    if (!of_session.ok()) return of_session.error();
+    for (const auto& setting : asked.options) {
+        StageOptions options = *of_session;
+        if (const auto set = set_options(options, {setting}); !set.ok()) return set.error();
+        if (option_values(options) != option_values(*of_session))
+            return differs("--set " + setting.first);
     }
     asked.options = begun.options;
     if (!is_given(command, "--history")) asked.history = begun.history;

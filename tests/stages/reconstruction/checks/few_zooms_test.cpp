@@ -86,13 +86,12 @@ TEST(FindZooms, OnlyOfTheCamerasThatItIsAskedAbout) {
     ASSERT_EQ(kinds.size(), 1U);
     std::vector<ReleasedCamera> asked = kinds.begin()->second;
     ASSERT_EQ(asked.size(), 12U);
-    // A wide one and a zoomed one are left with each other, and deviate.
-    asked.erase(asked.begin(), asked.begin() + 2);
+    // Four wide ones and two zoomed ones are left with each other, and some of them deviate.
+    asked.erase(asked.begin(), asked.begin() + 6);
     const auto zooms =
         find_zooms(asked, apart, problem, labels_of(all_tied(problem)), TieOptions());
     EXPECT_FALSE(zooms.empty());
-    EXPECT_FALSE(zooms.contains(CameraId{0}));
-    EXPECT_FALSE(zooms.contains(CameraId{1}));
+    for (const auto& [camera, zoom] : zooms) EXPECT_GE(camera, CameraId{6});
 }
 
 // An image that was placed with a wrong zoom, where it fits best with that, is told its own.
