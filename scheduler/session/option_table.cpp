@@ -41,6 +41,7 @@ void hold_from(StageOptions& options, double images) {
         clustering.hold_part = std::clamp(images / clustering.join_up_to, kLeast, 1.0);
 }
 
+/// Format: names and ranges as they were released.
 constexpr std::array kRetired{
     Retired{"clustering.hold_from", "clustering.hold_part", &hold_from, 2},
     Retired{"solve.policy.places.whole_up_to", "solve.policy.affordable_up_to"}};
