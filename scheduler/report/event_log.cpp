@@ -28,7 +28,8 @@ double rounded_seconds(double seconds) {
     return rounded(seconds * 1000.0) / 1000.0;
 }
 
-/// Guard: lines that wait for space on the disk, at most [bytes]: of some 50,000 images. Ours.
+/// Guard: lines that wait for space on the disk beside those of one message, at most [bytes]: of
+/// some 50,000 images. Ours.
 constexpr std::size_t kMostUnwritten = std::size_t{16} << 20U;
 
 /// Left by a process that was killed while it wrote: what is appended begins a line of its own.
@@ -149,11 +150,16 @@ void EventLog::write(const GraphUsage& usage) {
 }
 
 void EventLog::append(const std::string& lines) {
-    if (unwritten_.size() + lines.size() <= kMostUnwritten) {
+    flush();
+    if (unwritten_.empty() || unwritten_.size() + lines.size() <= kMostUnwritten) {
         unwritten_ += lines;
     } else {
         lost_ = true;
     }
+    flush();
+}
+
+void EventLog::flush() {
     std::size_t written = 0;
     while (written < unwritten_.size()) {
         const ssize_t count =

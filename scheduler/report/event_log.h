@@ -37,6 +37,8 @@ class EventLog {
     EventLog(std::filesystem::path file, int descriptor)
         : file_(std::move(file)), descriptor_(descriptor) {}
     void append(const std::string& lines);
+    /// Writes as much of what is unwritten as fits.
+    void flush();
 
     std::filesystem::path file_;
     int descriptor_;

@@ -16,8 +16,7 @@ enum class JaccardForm : std::uint8_t {
     /// distance 0, so that a cluster can begin with its first edge. Ours (docs/design.md).
     kMutual,
     /// The paper's formula as printed: with M_ii = 0 a triangle of equal edges has distance 0.5,
-    /// and a
-    /// complete graph is a cluster at eta = 0.2 from seven images on.
+    /// and a complete graph is a cluster at eta = 0.2 from seven images on.
     kLiteral,
 };
 

@@ -19,7 +19,7 @@ namespace psfm {
 struct LocalisationMapOptions {
     /// Features of an image that it is recognised by: those of points, spread over all scales.
     /// Raised: slower, and more of the session in memory (128 bytes each); lowered: images of much
-    /// detail are missed. Ours, tuned on quad-streams (docs/exports.md).
+    /// detail are missed. Ours, chosen on quad-streams; no figure was kept.
     std::size_t features_per_image = 256;
 };
 

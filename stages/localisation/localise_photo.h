@@ -20,7 +20,7 @@ namespace psfm {
 
 struct LocaliseOptions {
     /// Features that vote for images, spread over all scales. Raised: slower; lowered: photographs
-    /// of much detail are not recognised. Ours, tuned on quad-streams (docs/exports.md).
+    /// of much detail are not recognised. Ours, chosen on quad-streams; no figure was kept.
     std::size_t voting_features = 512;
     /// Images of most votes that are matched. Raised: slower, about 10 ms each; lowered:
     /// where look-alikes have most votes the right ones are missed. Ours, as above.

@@ -12,7 +12,7 @@ const char* advice_for(WaitReason reason) {
             return "add photographs of the same place that share two thirds of their view with "
                    "this one";
         case WaitReason::kClusterTooSmall:
-            return "add photographs of what it shows: five that belong together make a model";
+            return "add photographs of what it shows: too few belong together for a model";
         case WaitReason::kNoSeed:
             return "add photographs taken a step to the side: the camera has hardly moved between "
                    "these";
@@ -22,8 +22,7 @@ const char* advice_for(WaitReason reason) {
             return "walk between photographs: no depth follows from turning on the spot";
         case WaitReason::kStandsStill:
             return "crop away what stands still in the photographs, or take the object before a "
-                   "plain "
-                   "background";
+                   "plain background";
         case WaitReason::kTooFewFeatures:
             return "take a sharp, well-lit photograph of something with texture instead";
         case WaitReason::kLookAlikes:

@@ -134,5 +134,21 @@ TEST(EventLog, WritesWhatDidNotFitAsSoonAsItDoes) {
     std::filesystem::remove(file);
 }
 
+TEST(EventLog, OneMessageOfAnySizeIsWritten) {
+    const auto file =
+        std::filesystem::temp_directory_path() / ("psfm_long_" + std::to_string(getpid()));
+    PublishMessage publish;
+    publish.images.resize(60'000);  // some 20 MiB
+    auto log = *EventLog::open(file);
+    log->write(publish);
+    EXPECT_TRUE(log->good());
+    std::ifstream stream(file);
+    std::string line;
+    std::size_t lines = 0;
+    while (std::getline(stream, line)) ++lines;
+    EXPECT_EQ(lines, publish.images.size());
+    std::filesystem::remove(file);
+}
+
 }  // namespace
 }  // namespace psfm
