@@ -30,6 +30,11 @@ if(PSFM_SANITIZE)
   # -g1: functions and lines of a finding's stack, and half of what -g takes on the disk.
   target_compile_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE} -fno-omit-frame-pointer -g1)
   target_link_options(psfm_flags INTERFACE -fsanitize=${PSFM_SANITIZE})
+  if(PSFM_SANITIZE MATCHES "address")
+    # Eigen would take aligned memory from an allocator of its own here, which Debian's Ceres, with the same templates
+    # in it, frees by another one (docs/parts.md). AddressSanitizer's malloc is aligned, too.
+    target_compile_definitions(psfm_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  endif()
   if(PSFM_SANITIZE MATCHES "undefined")
     # Debian's OpenCV and TBB are built without typeinfo that -fsanitize=vptr needs (docs/parts.md).
     target_compile_options(psfm_flags INTERFACE -fno-sanitize=vptr -fno-sanitize-recover=undefined)
